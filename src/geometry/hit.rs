@@ -1,0 +1,74 @@
+//! What a ray meets, and how rays leave it again.
+
+use glam::DVec3;
+
+use super::{Ray, SurfaceId};
+
+/// A cheap hit: enough to order hits along a ray and to find the rest later.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Hit {
+    /// Ray parameter: the distance in metres for a world-space ray.
+    pub t: f64,
+    /// Which surface.
+    pub surface: SurfaceId,
+    /// Barycentric weights of the triangle's second and third vertex; zero
+    /// for other shapes.
+    pub uv: [f64; 2],
+}
+
+/// A point on a surface, with its error.
+#[derive(Clone, Copy, Debug)]
+pub struct SurfacePoint {
+    /// Position in metres, moved onto the surface where the shape allows it.
+    pub p: DVec3,
+    /// Bound on the distance between `p` and the true surface along any
+    /// axis, in metres: one scalar, since transforms and the watertight
+    /// triangle test mix the axes.
+    pub error: f64,
+    /// Geometric unit normal; see the room's contract for its direction.
+    pub ng: DVec3,
+    /// Shading unit normal, `ns . ng > 0`.
+    pub ns: DVec3,
+    /// The surface.
+    pub surface: SurfaceId,
+}
+
+impl SurfacePoint {
+    /// A ray leaving the point in unit direction `dir`, started on the side
+    /// of the geometric normal towards which `dir` points (pbrt 4th ed.,
+    /// section 6.8.6).
+    #[inline]
+    pub fn spawn(&self, dir: DVec3) -> Ray {
+        Ray { origin: self.offset(dir), dir, leaving: Some(self.surface) }
+    }
+
+    /// A ray from the point to `target`, and the distance to it in metres.
+    /// `None` if the target coincides with the point.
+    #[inline]
+    pub fn spawn_towards(&self, target: DVec3) -> Option<(Ray, f64)> {
+        let origin = self.offset(target - self.p);
+        let to = target - origin;
+        let distance = to.length();
+        (distance > 0.0 && distance.is_finite())
+            .then(|| (Ray { origin, dir: to / distance, leaving: Some(self.surface) }, distance))
+    }
+
+    /// The point pushed out of its own error box, each coordinate rounded
+    /// away from the surface.
+    fn offset(&self, dir: DVec3) -> DVec3 {
+        let reach = self.error * (self.ng.x.abs() + self.ng.y.abs() + self.ng.z.abs());
+        let side = if self.ng.dot(dir) < 0.0 { -reach } else { reach };
+        let push = |p: f64, n: f64| {
+            let o = p + side * n;
+            let towards = side * n;
+            if towards > 0.0 {
+                o.next_up()
+            } else if towards < 0.0 {
+                o.next_down()
+            } else {
+                o
+            }
+        };
+        DVec3::new(push(self.p.x, self.ng.x), push(self.p.y, self.ng.y), push(self.p.z, self.ng.z))
+    }
+}

@@ -1,0 +1,5 @@
+//! nephroid: a photon-mapping renderer for caustics that states what accuracy
+//! costs in time.
+
+pub mod numeric;
+pub mod spectrum;

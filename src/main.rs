@@ -1,0 +1,2 @@
+//! nephroid.
+fn main() {}

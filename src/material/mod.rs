@@ -1,0 +1,68 @@
+//! How surfaces scatter light.
+//!
+//! A closed set: whatever a scene file can name is a variant here. Lobes are
+//! classed, not surfaces: [`Material::is_specular`] asks whether all lobes
+//! are delta functions (light follows one or two directions), otherwise the
+//! lobe is finite and light can be gathered there.
+
+use crate::spectrum::Rgb;
+
+/// A surface's scattering, validated: reflectances lie in `[0, 1]`, indices
+/// are at least 1.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Material {
+    /// Two-sided Lambertian reflection, `f = reflectance / pi`.
+    Diffuse {
+        /// Fraction of the light reflected, per channel.
+        reflectance: Rgb,
+    },
+    /// Perfect mirror on both sides.
+    Mirror {
+        /// Fraction of the light reflected, per channel and independent of
+        /// the angle.
+        reflectance: Rgb,
+    },
+    /// Smooth interface between two clear media. The medium of index `ior`
+    /// lies on the side away from the geometric normal, the other has
+    /// index 1.
+    Dielectric {
+        /// Index of refraction behind the surface.
+        ior: f64,
+        /// A pane: both interfaces of a thin parallel slab in one surface.
+        /// Light passes straight through or is reflected.
+        thin: bool,
+    },
+    /// Absorbs everything: the body of a light source.
+    Black,
+}
+
+impl Material {
+    /// Whether all lobes are delta functions and there is at least one.
+    pub fn is_specular(&self) -> bool {
+        matches!(self, Self::Mirror { .. } | Self::Dielectric { .. })
+    }
+
+    /// Whether light can be received at a finite lobe.
+    pub fn is_finite(&self) -> bool {
+        matches!(self, Self::Diffuse { .. })
+    }
+
+    /// Whether light passes in a straight line, so that shadow rays do too:
+    /// a thin pane, or an interface with equal indices on both sides.
+    pub fn is_straight(&self) -> bool {
+        match *self {
+            Self::Dielectric { ior, thin } => thin || ior == 1.0,
+            _ => false,
+        }
+    }
+
+    /// Whether the surface can turn light into a caustic: it reflects or
+    /// bends at least some of it.
+    pub fn casts_caustics(&self) -> bool {
+        match *self {
+            Self::Mirror { reflectance } => !reflectance.is_black(),
+            Self::Dielectric { ior, .. } => ior != 1.0,
+            Self::Diffuse { .. } | Self::Black => false,
+        }
+    }
+}

@@ -1,0 +1,19 @@
+//! Floating point: counted error bounds, stable roots, frames, exact sums,
+//! and the transcendental functions whose bits reach pixels.
+//!
+//! Conventions: `U` is the unit roundoff of `f64` (2^-53). A bound is always
+//! an absolute error unless its name ends in `_rel`. Nothing in this room
+//! knows about rendering.
+
+pub mod bounds;
+pub mod exact;
+pub mod frame;
+pub mod products;
+pub mod quadratic;
+pub mod trig;
+
+pub use bounds::{U, gamma};
+pub use exact::ExactSum;
+pub use frame::Frame;
+pub use products::{difference_of_products, sum_of_products, two_product, two_sum};
+pub use quadratic::{Roots, quadratic};

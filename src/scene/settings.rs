@@ -1,0 +1,39 @@
+//! How to render: the `render` block of a scene file with defaults filled in.
+
+/// Settings of a render. Every one has a default that needs no thought; the
+/// command line may override each.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Settings {
+    /// Number of passes, at least 1. A round has eight.
+    pub passes: u32,
+    /// Seed of all random numbers.
+    pub seed: u64,
+    /// Photon paths emitted per pass; `None` lets the program choose.
+    pub photons: Option<u64>,
+    /// Kernel radius of the first round in pixel footprints, above 0.
+    pub radius: f64,
+    /// Whether light between diffuse surfaces is simulated.
+    pub indirect: bool,
+    /// Longest chain of surface interactions of a photon or camera path.
+    pub max_depth: u32,
+    /// Memory that one pass may use for its photon map, in bytes.
+    pub memory: u64,
+    /// Exposure of the PNG in stops (powers of two); `None` exposes so that
+    /// the mean of the picture becomes a middle grey.
+    pub exposure: Option<f64>,
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Self {
+            passes: 64,
+            seed: 0,
+            photons: None,
+            radius: 2.0,
+            indirect: true,
+            max_depth: 64,
+            memory: 1 << 30,
+            exposure: None,
+        }
+    }
+}
