@@ -1,5 +1,8 @@
 //! nephroid: a photon-mapping renderer for caustics that states what accuracy
 //! costs in time.
 
+pub mod light;
 pub mod numeric;
+pub mod optics;
+pub mod sampling;
 pub mod spectrum;

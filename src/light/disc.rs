@@ -1,8 +1,12 @@
 //! The glowing disc.
 
+use std::f64::consts::PI;
+
 use glam::DVec3;
 
-use crate::spectrum::Rgb;
+use crate::{numeric::Frame, sampling::warp, spectrum::Rgb};
+
+use super::DirectSample;
 
 /// A disc of constant radiance on the side of its normal.
 #[derive(Clone, Debug)]
@@ -15,4 +19,21 @@ pub struct DiscLight {
     pub radius: f64,
     /// Emitted radiance, W/m2/sr.
     pub radiance: Rgb,
+}
+
+impl DiscLight {
+    /// The point that `u` in the unit square maps to. Pdf per area: one over
+    /// the area.
+    pub fn point(&self, u: [f64; 2]) -> DVec3 {
+        let p = warp::disc(u) * self.radius;
+        let frame = Frame::around(self.normal);
+        self.center + frame.s * p.x + frame.t * p.y
+    }
+
+    pub(super) fn sample_direct(&self, p: DVec3, u: [f64; 2]) -> Option<DirectSample> {
+        let area = PI * self.radius * self.radius;
+        DirectSample::to_point(p, self.point(u), |wi, d2| {
+            self.radiance * ((-wi).dot(self.normal).max(0.0) * area / d2)
+        })
+    }
 }

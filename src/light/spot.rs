@@ -6,6 +6,8 @@ use glam::DVec3;
 
 use crate::{numeric::trig, spectrum::Rgb};
 
+use super::DirectSample;
+
 /// A point that shines into a cone: full intensity inside the inner angle,
 /// none outside the outer one, a cubic ramp in the cosine between.
 #[derive(Clone, Debug)]
@@ -38,6 +40,15 @@ impl SpotLight {
     /// over the sphere. The ramp `3 x^2 - 2 x^3` has mean one half.
     pub fn effective_solid_angle(&self) -> f64 {
         TAU * ((1.0 - self.cos_inner) + 0.5 * (self.cos_inner - self.cos_outer))
+    }
+
+    pub(super) fn sample_direct(&self, p: DVec3) -> Option<DirectSample> {
+        DirectSample::to_point(p, self.position, |wi, d2| self.intensity_along(-wi) / d2)
+    }
+
+    /// Radiant intensity in the unit direction `dir`, W/sr.
+    pub fn intensity_along(&self, dir: DVec3) -> Rgb {
+        self.intensity * self.falloff(dir.dot(self.axis))
     }
 
     /// Fraction of the axis intensity sent at the given cosine to the axis.

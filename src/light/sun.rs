@@ -1,8 +1,16 @@
 //! The sun: light from infinity within a cone of directions.
 
+use std::f64::consts::PI;
+
 use glam::DVec3;
 
-use crate::{numeric::trig, spectrum::Rgb};
+use crate::{
+    numeric::{Frame, trig},
+    sampling::warp,
+    spectrum::Rgb,
+};
+
+use super::{DirectSample, Source};
 
 /// Light from infinity, of constant radiance within a cone of directions; a
 /// zero angle makes it an ideal parallel light with hard shadows.
@@ -24,6 +32,50 @@ impl Sun {
             axis: axis.normalize(),
             sin_half: trig::sin_cos(0.5 * angular_diameter.to_radians()).0,
             irradiance,
+        }
+    }
+
+    /// Radiance within the cone, W/m2/sr: irradiance over the projected solid
+    /// angle `pi sin^2`. Black for an ideal parallel light, whose radiance is
+    /// not finite.
+    pub fn radiance(&self) -> Rgb {
+        let projected = PI * self.sin_half * self.sin_half;
+        if projected > 0.0 {
+            self.irradiance / projected
+        } else {
+            Rgb::BLACK
+        }
+    }
+
+    /// A direction of travel, uniform in solid angle over the cone, and the
+    /// irradiance that it stands for on a surface facing it: radiance over
+    /// pdf, in W/m2.
+    pub fn sample_travel(&self, u: [f64; 2]) -> (DVec3, Rgb) {
+        if self.sin_half == 0.0 {
+            return (self.axis, self.irradiance);
+        }
+        let q = warp::one_minus_cos(self.sin_half);
+        let dir = Frame::around(self.axis).to_world(warp::cone(u, q));
+        (dir, self.radiance() / warp::cone_pdf(q))
+    }
+
+    pub(super) fn sample_direct(&self, u: [f64; 2]) -> Option<DirectSample> {
+        let (dir, weight) = self.sample_travel(u);
+        (!weight.is_black()).then_some(DirectSample {
+            source: Source::Direction(-dir),
+            wi: -dir,
+            weight,
+        })
+    }
+
+    pub(super) fn sky_radiance(&self, dir: DVec3) -> Rgb {
+        let q = warp::one_minus_cos(self.sin_half);
+        // 1 - cos of the angle to the sun's centre, without cancellation.
+        let away = 0.5 * (dir + self.axis).length_squared();
+        if away < q {
+            self.radiance()
+        } else {
+            Rgb::BLACK
         }
     }
 }

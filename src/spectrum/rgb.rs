@@ -50,6 +50,7 @@ impl Rgb {
 
     /// Channel by channel.
     #[inline]
+    #[must_use]
     pub fn map(self, f: impl Fn(f64) -> f64) -> Self {
         Self(self.0.map(f))
     }
