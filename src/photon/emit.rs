@@ -1,0 +1,75 @@
+//! Launching photons: which light, and from there towards which caster.
+
+use std::f64::consts::PI;
+
+use crate::{
+    geometry::Ray,
+    sampling::{Discrete, Purpose, Sequence, Stream},
+    spectrum::Rgb,
+    transport::Context,
+};
+
+use super::Aim;
+
+/// Coordinates of a stream that an emission may use; the bounces come after.
+/// Direction first: the first two dimensions of the sequence are its best.
+pub(super) const DIMENSIONS: u32 = 6;
+
+/// The start of a photon path.
+#[derive(Clone, Copy, Debug)]
+pub struct Emission {
+    /// The first ray.
+    pub ray: Ray,
+    /// Flux in W: the light's emission over all probabilities. Black if the
+    /// sampled start emits nothing.
+    pub flux: Rgb,
+    /// Index of the light.
+    pub light: u32,
+}
+
+/// Launches photons from all lights of a scene.
+#[derive(Clone, Debug)]
+pub struct Emitter {
+    aims: Vec<Aim>,
+    choice: Discrete,
+}
+
+impl Emitter {
+    /// Aims every light at the casters of the plan. `None` if no light can
+    /// reach one. Lights get photons by the power that they send towards
+    /// casters, found by a small pilot that is a function of the scene alone.
+    pub fn new(ctx: &Context<'_>) -> Option<Self> {
+        if !ctx.plan.caustics {
+            return None;
+        }
+        let aims: Vec<Aim> = ctx
+            .scene
+            .lights
+            .iter()
+            .enumerate()
+            .map(|(i, _)| Aim::new(ctx, i, Sequence::new(0, Purpose::Pilot, 0, i as u64)))
+            .collect();
+        let weights: Vec<f64> = aims.iter().map(Aim::power_estimate).collect();
+        Some(Self { choice: Discrete::new(&weights)?, aims })
+    }
+
+    /// The start of the path that the stream stands for.
+    pub fn emit(&self, ctx: &Context<'_>, stream: &mut Stream) -> Emission {
+        let direction = stream.next_2d();
+        let point = stream.next_2d();
+        let (light, _) = self.choice.sample(stream.next_1d());
+        let target = stream.next_1d();
+        let (ray, flux) = self.aims[light].sample(ctx, target, direction, point);
+        Emission { ray, flux: flux / self.choice.probability(light), light: light as u32 }
+    }
+
+    /// How the lights are aimed, in the order of the scene's lights.
+    pub fn aims(&self) -> &[Aim] {
+        &self.aims
+    }
+}
+
+/// Area of a disc.
+pub(super) fn disc_area(radius: f64) -> f64 {
+    PI * radius * radius
+}

@@ -1,0 +1,24 @@
+//! Photons: emitted towards what can make a caustic, traced through specular
+//! steps, stored where they land, gathered as irradiance.
+//!
+//! Flow of a pass: [`Emitter`] turns an addressed stream into a first ray
+//! with its flux; [`trace`] follows it (a pure function); [`shoot`] runs
+//! fixed chunks in parallel and puts the photons in path order; [`PhotonMap`]
+//! builds the tree (the only file that knows the kd-tree crate) and answers
+//! density queries. Flux is in W and already divided by every probability;
+//! division by the number of emitted paths happens once, in the estimate.
+
+mod aim;
+mod domain;
+mod emit;
+mod map;
+mod shoot;
+mod tally;
+mod trace;
+
+pub use aim::Aim;
+pub use emit::{Emission, Emitter};
+pub use map::{BYTES_PER_PHOTON, PhotonMap};
+pub use shoot::{Shot, shoot};
+pub use tally::{LightTally, Tally};
+pub use trace::{Photon, trace};

@@ -1,0 +1,61 @@
+//! Runs the photon paths of a pass in fixed chunks, in parallel, and keeps
+//! their order.
+
+use rayon::prelude::*;
+
+use crate::{sampling::Sequence, transport::Context};
+
+use super::{Emitter, Photon, Tally, trace};
+
+/// Paths in a chunk: large enough to hide the scheduling, small enough to
+/// balance. The result does not depend on it except through the rounding of
+/// the tally.
+const CHUNK: u64 = 4096;
+
+/// What a pass's photon paths brought.
+#[derive(Clone, Debug, Default)]
+pub struct Shot {
+    /// Photons in path order.
+    pub photons: Vec<Photon>,
+    /// Number of paths emitted.
+    pub emitted: u64,
+    /// Where the flux went.
+    pub tally: Tally,
+}
+
+/// Traces paths `first .. first + count` of a sequence.
+pub fn shoot(ctx: &Context<'_>, emitter: &Emitter, sequence: Sequence, first: u64, count: u64) -> Shot {
+    let chunks: Vec<(Vec<Photon>, Tally)> = (0..count.div_ceil(CHUNK))
+        .into_par_iter()
+        .map(|c| {
+            let range = first + c * CHUNK..first + ((c + 1) * CHUNK).min(count);
+            shoot_chunk(ctx, emitter, sequence, range)
+        })
+        .collect();
+    let mut shot = Shot {
+        photons: Vec::with_capacity(chunks.iter().map(|c| c.0.len()).sum()),
+        emitted: count,
+        tally: Tally::new(ctx.scene.lights.len()),
+    };
+    for (photons, tally) in chunks {
+        shot.photons.extend_from_slice(&photons);
+        shot.tally.merge(&tally);
+    }
+    shot
+}
+
+fn shoot_chunk(
+    ctx: &Context<'_>,
+    emitter: &Emitter,
+    sequence: Sequence,
+    range: std::ops::Range<u64>,
+) -> (Vec<Photon>, Tally) {
+    let mut photons = Vec::new();
+    let mut tally = Tally::new(ctx.scene.lights.len());
+    for index in range {
+        let mut stream = sequence.at(index);
+        let emission = emitter.emit(ctx, &mut stream);
+        photons.extend(trace(ctx, &emission, &mut stream, &mut tally.lights[emission.light as usize]));
+    }
+    (photons, tally)
+}

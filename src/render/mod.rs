@@ -1,0 +1,17 @@
+//! From a scene to a picture: the schedule, one pass, the driver.
+//!
+//! A pass is a pure function of (scene, settings, seed, pass index): nothing
+//! of it depends on threads, on the clock or on earlier passes. A round is
+//! eight passes, one for each replicate of the sample sequences. The clock
+//! decides only how many passes run.
+
+mod camera_walk;
+mod driver;
+mod pass;
+mod report;
+mod schedule;
+
+pub use driver::{Job, Outcome, Progress, run};
+pub use pass::{PassOutput, Renderer};
+pub use report::{LightReport, Report};
+pub use schedule::{REPLICATES, Schedule};

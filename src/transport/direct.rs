@@ -1,0 +1,98 @@
+//! Light that reaches a diffuse point straight from the sources.
+
+use std::f64::consts::{FRAC_1_PI, PI};
+
+use glam::DVec3;
+
+use crate::{
+    geometry::SurfacePoint,
+    light::Light,
+    sampling::{Discrete, Stream},
+    scene::Scene,
+    spectrum::Rgb,
+};
+
+use super::{Context, shadow};
+
+/// A point on a diffuse surface, seen from one side.
+#[derive(Clone, Copy, Debug)]
+pub struct DiffusePoint {
+    /// The point.
+    pub point: SurfacePoint,
+    /// Geometric normal on the viewer's side.
+    pub ng: DVec3,
+    /// Shading normal on the viewer's side.
+    pub ns: DVec3,
+    /// Reflectance.
+    pub reflectance: Rgb,
+}
+
+impl DiffusePoint {
+    /// The point as seen along direction `d`.
+    pub fn new(point: SurfacePoint, d: DVec3, reflectance: Rgb) -> Self {
+        let flip = point.ng.dot(d) > 0.0;
+        let (ng, ns) = if flip { (-point.ng, -point.ns) } else { (point.ng, point.ns) };
+        Self { point, ng, ns, reflectance }
+    }
+}
+
+/// How to divide shadow rays among many lights.
+#[derive(Clone, Debug)]
+pub struct LightPicker {
+    by_power: Option<Discrete>,
+}
+
+impl LightPicker {
+    /// Lights are picked in proportion to their power; a sun counts with what
+    /// falls on the bounded part of the scene.
+    pub fn new(scene: &Scene) -> Self {
+        let radius = scene.world.bounds().map_or(1.0, |b| b.bounding_sphere().radius);
+        let weights: Vec<f64> = scene
+            .lights
+            .iter()
+            .map(|l| match (&l.light, l.light.power()) {
+                (_, Some(power)) => power.mean(),
+                (Light::Sun(sun), None) => (sun.irradiance * (PI * radius * radius)).mean(),
+                (_, None) => 0.0,
+            })
+            .collect();
+        Self { by_power: Discrete::new(&weights) }
+    }
+}
+
+/// Reflected radiance of the light that arrives straight from the sources,
+/// with at most `rays` shadow rays: one for each light if that is enough,
+/// otherwise to lights picked by power.
+pub fn direct_light(ctx: &Context<'_>, at: &DiffusePoint, stream: &mut Stream, rays: u32) -> Rgb {
+    let lights = ctx.scene.lights.len();
+    let mut sum = Rgb::BLACK;
+    if lights <= rays as usize {
+        for i in 0..lights {
+            sum += from_light(ctx, at, i, stream.next_2d());
+        }
+    } else if let Some(table) = &ctx.picker.by_power {
+        let u = stream.next_1d();
+        for k in 0..rays {
+            // One stratum of the table for each ray.
+            let (i, _) = table.sample((f64::from(k) + u) / f64::from(rays));
+            let weight = 1.0 / (table.probability(i) * f64::from(rays));
+            sum += from_light(ctx, at, i, stream.next_2d()) * weight;
+        }
+    }
+    sum
+}
+
+/// Reflected radiance of one source.
+fn from_light(ctx: &Context<'_>, at: &DiffusePoint, index: usize, u: [f64; 2]) -> Rgb {
+    let light = &ctx.scene.lights[index];
+    let Some(sample) = light.light.sample_direct(at.point.p, u) else { return Rgb::BLACK };
+    let cos = sample.wi.dot(at.ns);
+    if cos <= 0.0 || sample.wi.dot(at.ng) <= 0.0 {
+        return Rgb::BLACK;
+    }
+    let radiance = at.reflectance * sample.weight * (cos * FRAC_1_PI);
+    if radiance.is_black() {
+        return Rgb::BLACK;
+    }
+    radiance * shadow::transmittance(ctx, &at.point, &sample, light.instance)
+}

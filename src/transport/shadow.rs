@@ -1,0 +1,60 @@
+//! Shadow rays.
+
+use crate::{
+    geometry::{Ray, SurfacePoint},
+    light::{DirectSample, Source},
+    material::Material,
+    optics,
+};
+
+use super::Context;
+
+/// Fraction of a light sample that arrives at `from`: 0 behind anything that
+/// blocks, 1 in the clear, between them through thin panes. Refracting
+/// surfaces block: their light comes as photons. `body` is the instance that
+/// shows the light; it does not shade itself.
+pub fn transmittance(
+    ctx: &Context<'_>,
+    from: &SurfacePoint,
+    sample: &DirectSample,
+    body: Option<u32>,
+) -> f64 {
+    let (ray, distance) = match sample.source {
+        Source::Point(target) => match from.spawn_towards(target) {
+            Some(found) => found,
+            None => return 0.0,
+        },
+        Source::Direction(wi) => (from.spawn(wi), f64::INFINITY),
+    };
+    if ctx.plan.straight_surfaces {
+        return through_panes(ctx, ray, distance, body);
+    }
+    let blocked = ctx.scene.world.occluded(&ray, distance, |i| Some(i) == body);
+    if blocked { 0.0 } else { 1.0 }
+}
+
+/// The same where something may let light through: surface by surface.
+fn through_panes(ctx: &Context<'_>, mut ray: Ray, mut distance: f64, body: Option<u32>) -> f64 {
+    let world = &ctx.scene.world;
+    let mut transmittance = 1.0;
+    for _ in 0..=ctx.max_depth {
+        let Some(hit) = world.closest(&ray, distance) else { return transmittance };
+        if Some(hit.surface.instance) == body {
+            return transmittance;
+        }
+        let material = &ctx.scene.object(hit.surface).material;
+        let Material::Dielectric { ior, thin } = *material else { return 0.0 };
+        if !material.is_straight() {
+            return 0.0;
+        }
+        let point = world.surface(&ray, &hit);
+        if thin {
+            transmittance *= optics::pane_transmittance(ray.dir.dot(point.ns).abs(), ior);
+        }
+        let dir = ray.dir;
+        ray = point.spawn(dir);
+        distance -= hit.t;
+    }
+    // More panes than the depth limit allows.
+    0.0
+}
