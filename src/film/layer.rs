@@ -1,0 +1,80 @@
+//! The parts a picture is made of, and one pixel's share of a pass.
+
+use std::ops::{Index, IndexMut};
+
+use crate::spectrum::Rgb;
+
+/// A part of the light, by the kind of path that carried it. The parts sum to
+/// the picture: every path belongs to exactly one of them.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Layer {
+    /// Light that comes straight from a light source to a finite lobe.
+    Direct,
+    /// Light gathered from the photon map.
+    Caustic,
+    /// Light that met two or more diffuse surfaces.
+    Indirect,
+    /// Light sources seen by the camera, directly or through mirrors and glass.
+    Emission,
+}
+
+impl Layer {
+    /// Every layer, in the order in which they are stored.
+    pub const ALL: [Self; 4] = [Self::Direct, Self::Caustic, Self::Indirect, Self::Emission];
+
+    /// The name in files: `direct`, `caustic`, `indirect`, `emission`.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Direct => "direct",
+            Self::Caustic => "caustic",
+            Self::Indirect => "indirect",
+            Self::Emission => "emission",
+        }
+    }
+}
+
+/// What one pass found for one pixel: radiance per layer, in W/m2/sr.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct PixelSample {
+    /// One entry per [`Layer`], in the order of [`Layer::ALL`].
+    pub layers: [Rgb; 4],
+}
+
+impl PixelSample {
+    /// The sum of the layers, in the order of [`Layer::ALL`].
+    #[inline]
+    pub fn total(&self) -> Rgb {
+        let [a, b, c, d] = self.layers;
+        a + b + c + d
+    }
+}
+
+impl Index<Layer> for PixelSample {
+    type Output = Rgb;
+    #[inline]
+    fn index(&self, layer: Layer) -> &Rgb {
+        &self.layers[layer as usize]
+    }
+}
+
+impl IndexMut<Layer> for PixelSample {
+    #[inline]
+    fn index_mut(&mut self, layer: Layer) -> &mut Rgb {
+        &mut self.layers[layer as usize]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_layer_indexes_its_own_entry() {
+        for (i, layer) in Layer::ALL.into_iter().enumerate() {
+            let mut s = PixelSample::default();
+            s[layer] = Rgb::grey(2.0);
+            assert_eq!(s.layers[i], Rgb::grey(2.0), "{}", layer.name());
+            assert_eq!(s.total(), Rgb::grey(2.0));
+        }
+    }
+}
