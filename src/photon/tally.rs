@@ -41,6 +41,23 @@ pub struct LightTally {
 }
 
 impl LightTally {
+    /// The ledger with every amount of flux multiplied by `k`; counts stay.
+    #[must_use]
+    pub fn scaled(&self, k: f64) -> Self {
+        Self {
+            launched: self.launched * k,
+            roulette_gain: self.roulette_gain * k,
+            shading_change: self.shading_change * k,
+            stored: self.stored * k,
+            direct: self.direct * k,
+            absorbed: self.absorbed * k,
+            escaped: self.escaped * k,
+            roulette_loss: self.roulette_loss * k,
+            truncated: self.truncated * k,
+            ..*self
+        }
+    }
+
     /// Left side of the balance minus the right side.
     pub fn imbalance(&self) -> f64 {
         (self.launched + self.roulette_gain + self.shading_change)

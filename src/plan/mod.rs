@@ -3,7 +3,7 @@
 //! The plan is data: it names what is simulated and what is not. It never
 //! measures anything; a pilot that samples the scene cannot prove a zero.
 
-use crate::scene::Scene;
+use crate::scene::{Scene, Settings};
 
 /// What is simulated for a scene.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -21,8 +21,8 @@ pub struct Plan {
 }
 
 impl Plan {
-    /// The plan of a scene under the scene's own settings.
-    pub fn new(scene: &Scene) -> Self {
+    /// The plan of a scene rendered with `settings`.
+    pub fn new(scene: &Scene, settings: &Settings) -> Self {
         let casters: Vec<u32> = (0u32..)
             .zip(&scene.objects)
             .filter(|(_, o)| o.material.casts_caustics())
@@ -32,7 +32,7 @@ impl Plan {
         Self {
             straight_surfaces: scene.objects.iter().any(|o| o.material.is_straight()),
             caustics: receives && !casters.is_empty() && !scene.lights.is_empty(),
-            indirect: receives && scene.settings.indirect && !scene.lights.is_empty(),
+            indirect: receives && settings.indirect && !scene.lights.is_empty(),
             casters,
         }
     }

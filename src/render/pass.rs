@@ -1,0 +1,188 @@
+//! One pass: photons, map, camera samples. A pure function of the scene, the
+//! settings, the seed and the pass index.
+
+use glam::DVec2;
+use rayon::prelude::*;
+
+use crate::{
+    film::PixelSample,
+    photon::{BYTES_PER_PHOTON, Emitter, PhotonMap, Shot, Tally, shoot},
+    plan::Plan,
+    sampling::{Purpose, Sequence},
+    scene::{Scene, Settings},
+    transport::{Context, LightPicker},
+};
+
+use super::{
+    camera_walk::{CameraTally, Gather},
+    schedule::{REPLICATES, Schedule},
+};
+
+/// Photon paths per pixel and pass, where the user does not say.
+const PHOTONS_PER_PIXEL: u64 = 2;
+
+/// Everything that passes of one render share.
+pub struct Renderer<'a> {
+    scene: &'a Scene,
+    settings: Settings,
+    plan: Plan,
+    picker: LightPicker,
+    emitter: Option<Emitter>,
+    schedule: Schedule,
+    resolution: [u32; 2],
+    camera: crate::camera::Camera,
+    crop: [u32; 4],
+    photons: u64,
+}
+
+/// What a pass delivers.
+#[derive(Debug)]
+pub struct PassOutput {
+    /// Samples of the crop, row by row.
+    pub samples: Vec<PixelSample>,
+    /// Photon paths emitted.
+    pub emitted: u64,
+    /// Photons stored.
+    pub stored: u64,
+    /// Photons refused for not being finite.
+    pub refused: u64,
+    /// Where the photons' flux went.
+    pub tally: Tally,
+    /// Camera paths ended by the depth limit.
+    pub truncated: u64,
+    /// Questions asked of the photon map.
+    pub queries: u64,
+}
+
+impl<'a> Renderer<'a> {
+    /// Prepares a render of the window `crop` (x, y, width, height in pixels)
+    /// of a picture of the given resolution.
+    pub fn new(scene: &'a Scene, settings: &Settings, resolution: [u32; 2], crop: [u32; 4]) -> Self {
+        let plan = Plan::new(scene, settings);
+        let picker = LightPicker::new(scene);
+        let ctx = Context { scene, plan: &plan, picker: &picker, max_depth: settings.max_depth };
+        let emitter = Emitter::new(&ctx);
+        let photons = if emitter.is_some() { photon_paths(settings, crop) } else { 0 };
+        Self {
+            scene,
+            settings: settings.clone(),
+            picker,
+            emitter,
+            schedule: Schedule::new(settings.radius),
+            resolution,
+            camera: scene.camera.with_resolution(resolution),
+            crop,
+            photons,
+            plan,
+        }
+    }
+
+    /// What is simulated.
+    pub fn plan(&self) -> &Plan {
+        &self.plan
+    }
+
+    /// How photons are launched; `None` where there are none.
+    pub fn emitter(&self) -> Option<&Emitter> {
+        self.emitter.as_ref()
+    }
+
+    /// Photon paths of a pass.
+    pub fn photons(&self) -> u64 {
+        self.photons
+    }
+
+    /// Kernel radius of a round, in pixel footprints.
+    pub fn scale(&self, round: u32) -> f64 {
+        self.schedule.scale(round)
+    }
+
+    /// What paths of this render may look at.
+    pub fn context(&self) -> Context<'_> {
+        Context {
+            scene: self.scene,
+            plan: &self.plan,
+            picker: &self.picker,
+            max_depth: self.settings.max_depth,
+        }
+    }
+
+    /// Runs pass `index`.
+    pub fn pass(&self, index: u32) -> PassOutput {
+        let (round, replicate) = (index / REPLICATES, index % REPLICATES);
+        let shot = self.shoot(round, replicate);
+        let map = (shot.emitted > 0).then(|| PhotonMap::new(&shot.photons, shot.emitted));
+        let stored = shot.photons.len() as u64;
+        drop(shot.photons);
+        let gather = Gather {
+            ctx: self.context(),
+            map: map.as_ref(),
+            scale: self.schedule.scale(round),
+            footprint: self.camera.pixel_footprint(),
+        };
+        let (samples, camera) = self.gather(&gather, round, replicate);
+        PassOutput {
+            samples,
+            emitted: shot.emitted,
+            stored,
+            refused: map.as_ref().map_or(0, PhotonMap::refused),
+            tally: shot.tally,
+            truncated: camera.truncated,
+            queries: camera.queries,
+        }
+    }
+
+    /// The photon half of a pass.
+    pub fn shoot(&self, round: u32, replicate: u32) -> Shot {
+        let Some(emitter) = &self.emitter else {
+            return Shot { tally: Tally::new(self.scene.lights.len()), ..Shot::default() };
+        };
+        let sequence = Sequence::new(self.settings.seed, Purpose::Photon, replicate, 0);
+        shoot(&self.context(), emitter, sequence, u64::from(round) * self.photons, self.photons)
+    }
+
+    /// The camera half of a pass: one sample a pixel, rows in parallel.
+    fn gather(&self, gather: &Gather<'_>, round: u32, replicate: u32) -> (Vec<PixelSample>, CameraTally) {
+        let [x0, y0, width, height] = self.crop;
+        let rows: Vec<(Vec<PixelSample>, CameraTally)> = (0..height)
+            .into_par_iter()
+            .map(|y| {
+                let mut tally = CameraTally::default();
+                let row = (0..width)
+                    .map(|x| {
+                        let (px, py) = (x0 + x, y0 + y);
+                        // The pixel's number in the whole picture, so that a
+                        // crop shows the same samples.
+                        let item = u64::from(py) * u64::from(self.resolution[0]) + u64::from(px);
+                        let mut stream =
+                            Sequence::new(self.settings.seed, Purpose::Camera, replicate, item)
+                                .at(u64::from(round));
+                        let [u, v] = stream.next_2d();
+                        let film = DVec2::new(f64::from(px) + u, f64::from(py) + v);
+                        gather.sample(self.camera.ray(film), &mut stream, &mut tally)
+                    })
+                    .collect();
+                (row, tally)
+            })
+            .collect();
+        let mut tally = CameraTally::default();
+        let mut samples = Vec::with_capacity(width as usize * height as usize);
+        for (row, t) in rows {
+            samples.extend_from_slice(&row);
+            tally.truncated += t.truncated;
+            tally.queries += t.queries;
+        }
+        (samples, tally)
+    }
+}
+
+/// Photon paths of a pass: what the user says, or a power of two near the
+/// number of pixels; never more than the memory budget holds, since every
+/// path stores at most one photon.
+fn photon_paths(settings: &Settings, crop: [u32; 4]) -> u64 {
+    let pixels = u64::from(crop[2]) * u64::from(crop[3]);
+    let wanted = settings
+        .photons
+        .unwrap_or_else(|| (PHOTONS_PER_PIXEL * pixels).next_power_of_two().clamp(1 << 14, 1 << 23));
+    wanted.clamp(1, (settings.memory / BYTES_PER_PHOTON).max(1))
+}

@@ -1,0 +1,108 @@
+//! What a render says about itself.
+
+use std::fmt;
+
+use serde::Serialize;
+
+use crate::photon::{LightTally, Tally};
+
+/// One light's part in the photon passes. Powers are in W, means over the
+/// colour channels.
+#[derive(Clone, Debug, Serialize)]
+pub struct LightReport {
+    /// Name of the light.
+    pub name: String,
+    /// Emitted power; `None` for a sun.
+    pub power: Option<f64>,
+    /// Power launched towards casters, estimated from all paths.
+    pub launched: f64,
+    /// Power not aimed at casters, from a pilot, and its standard error.
+    pub not_aimed: Option<(f64, f64)>,
+    /// The ledger, in W.
+    pub ledger: LightTally,
+}
+
+/// The report of a finished or interrupted render.
+#[derive(Clone, Debug, Serialize)]
+pub struct Report {
+    /// Version of the software.
+    pub version: String,
+    /// Width and height of the rendered window in pixels.
+    pub size: [u32; 2],
+    /// Seed.
+    pub seed: u64,
+    /// Passes finished.
+    pub passes: u32,
+    /// Photon paths emitted.
+    pub photons_emitted: u64,
+    /// Photons stored.
+    pub photons_stored: u64,
+    /// Photons refused for not being finite; not zero is a defect.
+    pub photons_refused: u64,
+    /// Questions asked of the photon map.
+    pub queries: u64,
+    /// Kernel radius of the first and the last round, in pixel footprints.
+    pub radius: [f64; 2],
+    /// Whether light between diffuse surfaces was simulated.
+    pub indirect: bool,
+    /// Whether caustic photons were traced.
+    pub caustics: bool,
+    /// Longest chain of surface interactions.
+    pub max_depth: u32,
+    /// Camera paths that the depth limit ended.
+    pub camera_paths_truncated: u64,
+    /// Share of the launched photon flux that the depth limit ended.
+    pub flux_truncated: f64,
+    /// Samples refused for not being finite; not zero is a defect.
+    pub samples_refused: u64,
+    /// Relative standard error of the picture, from the spread of the
+    /// replicates: root of the mean of (noise / (value^2 + 0.01 mean^2)^(1/2))
+    /// squared. `None` before the second replicate.
+    pub noise: Option<f64>,
+    /// Wall time in seconds.
+    pub seconds: f64,
+    /// Lights in the order of the scene.
+    pub lights: Vec<LightReport>,
+}
+
+impl Report {
+    /// Turns the sums over `paths` emitted photon paths into power.
+    pub(super) fn ledger(tally: &Tally, paths: u64) -> Vec<LightTally> {
+        let k = if paths == 0 { 0.0 } else { 1.0 / paths as f64 };
+        tally.lights.iter().map(|l| l.scaled(k)).collect()
+    }
+}
+
+impl fmt::Display for Report {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{} passes in {:.1} s", self.passes, self.seconds)?;
+        if self.caustics {
+            write!(f, ", {} photons emitted, {} stored", self.photons_emitted, self.photons_stored)?;
+        } else {
+            write!(f, ", no caustics")?;
+        }
+        if let Some(noise) = self.noise {
+            write!(f, ", noise {:.2} %", 100.0 * noise)?;
+        }
+        if !self.indirect {
+            write!(f, "\nlight between diffuse surfaces is off or impossible: its layer is black")?;
+        }
+        if self.flux_truncated > 0.0 || self.camera_paths_truncated > 0 {
+            write!(
+                f,
+                "\ndepth limit {} ended {} camera paths and {:.3} % of the photons' flux: raise render.max_depth",
+                self.max_depth,
+                self.camera_paths_truncated,
+                100.0 * self.flux_truncated
+            )?;
+        }
+        if self.samples_refused + self.photons_refused > 0 {
+            write!(
+                f,
+                "\n{} samples and {} photons were not finite and were left out",
+                self.samples_refused, self.photons_refused
+            )?;
+        }
+        Ok(())
+    }
+}
