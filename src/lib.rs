@@ -1,10 +1,18 @@
 //! nephroid: a photon-mapping renderer for caustics that states what accuracy
 //! costs in time.
 
+pub mod camera;
 pub mod film;
+pub mod geometry;
 pub mod light;
+pub mod material;
 pub mod metrics;
 pub mod numeric;
 pub mod optics;
+pub mod photon;
+pub mod plan;
+pub mod render;
 pub mod sampling;
+pub mod scene;
 pub mod spectrum;
+pub mod transport;
