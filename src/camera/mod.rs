@@ -34,15 +34,34 @@ pub enum Projection {
 impl Camera {
     /// A pinhole camera. `fov` is the vertical field of view in degrees,
     /// between 0 and 180; `up` must not be parallel to the view direction.
-    pub fn perspective(eye: DVec3, look_at: DVec3, up: DVec3, fov: f64, resolution: [u32; 2]) -> Self {
+    pub fn perspective(
+        eye: DVec3,
+        look_at: DVec3,
+        up: DVec3,
+        fov: f64,
+        resolution: [u32; 2],
+    ) -> Self {
         let half = trig::tan(0.5 * fov.to_radians());
         Self::new(eye, look_at, up, half, resolution, Projection::Perspective)
     }
 
     /// A camera of parallel rays whose film is `height` metres tall and
     /// stands at the eye.
-    pub fn orthographic(eye: DVec3, look_at: DVec3, up: DVec3, height: f64, resolution: [u32; 2]) -> Self {
-        Self::new(eye, look_at, up, 0.5 * height, resolution, Projection::Orthographic)
+    pub fn orthographic(
+        eye: DVec3,
+        look_at: DVec3,
+        up: DVec3,
+        height: f64,
+        resolution: [u32; 2],
+    ) -> Self {
+        Self::new(
+            eye,
+            look_at,
+            up,
+            0.5 * height,
+            resolution,
+            Projection::Orthographic,
+        )
     }
 
     fn new(
@@ -56,14 +75,25 @@ impl Camera {
         let forward = (look_at - eye).normalize();
         let right = forward.cross(up).normalize();
         let size = DVec2::new(f64::from(resolution[0]), f64::from(resolution[1]));
-        Self { eye, right, up: right.cross(forward), forward, half_height, size, projection }
+        Self {
+            eye,
+            right,
+            up: right.cross(forward),
+            forward,
+            half_height,
+            size,
+            projection,
+        }
     }
 
     /// The same view on a film of another resolution; the vertical field
     /// stays.
     #[must_use]
     pub fn with_resolution(&self, resolution: [u32; 2]) -> Self {
-        Self { size: DVec2::new(f64::from(resolution[0]), f64::from(resolution[1])), ..self.clone() }
+        Self {
+            size: DVec2::new(f64::from(resolution[0]), f64::from(resolution[1])),
+            ..self.clone()
+        }
     }
 
     /// The ray through a film position.
@@ -72,9 +102,10 @@ impl Camera {
         let x = (film.x - 0.5 * self.size.x) * scale;
         let y = (0.5 * self.size.y - film.y) * scale;
         match self.projection {
-            Projection::Perspective => {
-                Ray::new(self.eye, (self.forward + self.right * x + self.up * y).normalize())
-            }
+            Projection::Perspective => Ray::new(
+                self.eye,
+                (self.forward + self.right * x + self.up * y).normalize(),
+            ),
             Projection::Orthographic => {
                 Ray::new(self.eye + self.right * x + self.up * y, self.forward)
             }
@@ -86,8 +117,14 @@ impl Camera {
     pub fn pixel_footprint(&self) -> Footprint {
         let pixel = 2.0 * self.half_height / self.size.y;
         match self.projection {
-            Projection::Perspective => Footprint { width: 0.0, spread: pixel },
-            Projection::Orthographic => Footprint { width: pixel, spread: 0.0 },
+            Projection::Perspective => Footprint {
+                width: 0.0,
+                spread: pixel,
+            },
+            Projection::Orthographic => Footprint {
+                width: pixel,
+                spread: 0.0,
+            },
         }
     }
 

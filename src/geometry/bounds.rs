@@ -72,9 +72,24 @@ impl Aabb {
     /// The eight corners.
     pub fn corners(&self) -> [DVec3; 8] {
         std::array::from_fn(|i| {
-            let pick = |axis: usize| if i >> axis & 1 == 0 { self.min[axis] } else { self.max[axis] };
+            let pick = |axis: usize| {
+                if i >> axis & 1 == 0 {
+                    self.min[axis]
+                } else {
+                    self.max[axis]
+                }
+            };
             DVec3::new(pick(0), pick(1), pick(2))
         })
+    }
+
+    /// The sphere through the corners.
+    pub fn bounding_sphere(&self) -> BoundingSphere {
+        BoundingSphere {
+            center: self.center(),
+            // Difference, two products, two sums and the root round.
+            radius: self.half_diagonal().length() * (1.0 + gamma(6)),
+        }
     }
 
     /// True if the point lies inside or on the box.

@@ -23,7 +23,11 @@ pub fn closest(world: &World, ray: &Ray, t_max: f64) -> Option<Hit> {
             _ => instance.intersect(ray, t_max, leaving),
         };
         if let Some(ShapeHit { t, part, uv }) = found {
-            best = Some(Hit { t, surface: SurfaceId { instance: i, part }, uv });
+            best = Some(Hit {
+                t,
+                surface: SurfaceId { instance: i, part },
+                uv,
+            });
         }
     }
     best

@@ -143,7 +143,14 @@ impl Bvh {
         let whole = (0..count).fold(Aabb::EMPTY, |b, i| b.union(bounds(i)));
         let space = NodeSpace::around(&whole);
         if count == 0 {
-            return (Self { nodes: Vec::new(), space, stack_need: 0 }, Vec::new());
+            return (
+                Self {
+                    nodes: Vec::new(),
+                    space,
+                    stack_need: 0,
+                },
+                Vec::new(),
+            );
         }
         let boxes: Vec<_> = (0..count).map(|i| space.aabb(&bounds(i))).collect();
         let params = BvhBuildParams {
@@ -154,7 +161,14 @@ impl Bvh {
         drop(boxes);
         let (nodes, order) = fold(&binary);
         let stack_need = stack_need(&nodes);
-        (Self { nodes, space, stack_need }, order)
+        (
+            Self {
+                nodes,
+                space,
+                stack_need,
+            },
+            order,
+        )
     }
 
     /// Visits leaves in roughly ascending distance. `leaf` gets a range of
@@ -175,7 +189,12 @@ impl Bvh {
         if self.stack_need <= STACK {
             self.walk(&ray, &mut [Entry::default(); STACK], t_max, leaf)
         } else {
-            self.walk(&ray, &mut vec![Entry::default(); self.stack_need], t_max, leaf)
+            self.walk(
+                &ray,
+                &mut vec![Entry::default(); self.stack_need],
+                t_max,
+                leaf,
+            )
         }
     }
 
@@ -190,8 +209,45 @@ impl Bvh {
         mut leaf: impl FnMut(Range<usize>) -> bool,
     ) -> bool {
         // A negative `t` ends the walk: no box begins before it.
-        let found = self.closest(origin, dir, t_max, |slots, t| if leaf(slots) { -1.0 } else { t });
+        let found = self.closest(
+            origin,
+            dir,
+            t_max,
+            |slots, t| if leaf(slots) { -1.0 } else { t },
+        );
         found < 0.0
+    }
+
+    /// Whether the box of any leaf comes within `radius` of `p`.
+    pub fn overlaps(&self, p: DVec3, radius: f64) -> bool {
+        let center = (p - self.space.center) * self.space.scale;
+        let radius = radius * self.space.scale * (1.0 + gamma(4));
+        // Beyond the whole by more than the radius: also keeps the rounding of
+        // what follows of order one.
+        if !center
+            .abs()
+            .cmple(self.space.half + DVec3::splat(radius))
+            .all()
+        {
+            return false;
+        }
+        let (center, limit) = (center.as_vec3().to_array(), round_up_f32(radius * radius));
+        let mut todo = vec![0u32];
+        while let Some(node) = todo.pop().and_then(|i| self.nodes.get(i as usize)) {
+            for lane in 0..WIDTH {
+                let gap = (0..3).map(|a| {
+                    let (low, high) = (node.faces[2 * a][lane], node.faces[2 * a + 1][lane]);
+                    (low - center[a]).max(center[a] - high).max(0.0)
+                });
+                if gap.map(|g| g * g).sum::<f32>() <= limit {
+                    if node.children[lane] & LEAF != 0 {
+                        return true;
+                    }
+                    todo.push(node.children[lane]);
+                }
+            }
+        }
+        false
     }
 
     #[inline]
@@ -248,14 +304,21 @@ fn push_hits(node: &Node, ray: &NodeRay, limit: f32, stack: &mut [Entry], mut le
         for lane in 0..WIDTH {
             let enter = (first[lane] - ray.origin[axis]) * ray.inverse[axis];
             let exit = (last[lane] - ray.origin[axis]) * ray.inverse[axis];
-            near[lane] = if enter > near[lane] { enter } else { near[lane] };
+            near[lane] = if enter > near[lane] {
+                enter
+            } else {
+                near[lane]
+            };
             far[lane] = if exit < far[lane] { exit } else { far[lane] };
         }
     }
     let base = len;
     for lane in 0..WIDTH {
         if near[lane] <= far[lane] {
-            let entry = Entry { t: near[lane], child: node.children[lane] };
+            let entry = Entry {
+                t: near[lane],
+                child: node.children[lane],
+            };
             let mut at = len;
             while at > base && stack[at - 1].t < entry.t {
                 stack[at] = stack[at - 1];
@@ -271,14 +334,22 @@ fn push_hits(node: &Node, ray: &NodeRay, limit: f32, stack: &mut [Entry], mut le
 impl NodeSpace {
     fn around(whole: &Aabb) -> Self {
         if whole.is_empty() {
-            return Self { center: DVec3::ZERO, scale: 1.0, half: DVec3::ZERO };
+            return Self {
+                center: DVec3::ZERO,
+                scale: 1.0,
+                half: DVec3::ZERO,
+            };
         }
         let center = whole.center();
         // The farther faces, since the centre has been rounded.
         let half = (whole.max - center).max(center - whole.min);
         let scale = 0.5 / power_of_two_near(half.max_element());
         let half = half * scale + DVec3::splat(2.0 * GROWTH);
-        Self { center, scale, half }
+        Self {
+            center,
+            scale,
+            half,
+        }
     }
 
     /// A box in node space, rounded outward and grown.

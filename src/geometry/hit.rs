@@ -39,7 +39,11 @@ impl SurfacePoint {
     /// section 6.8.6).
     #[inline]
     pub fn spawn(&self, dir: DVec3) -> Ray {
-        Ray { origin: self.offset(dir), dir, leaving: Some(self.surface) }
+        Ray {
+            origin: self.offset(dir),
+            dir,
+            leaving: Some(self.surface),
+        }
     }
 
     /// A ray from the point to `target`, and the distance to it in metres.
@@ -49,15 +53,27 @@ impl SurfacePoint {
         let origin = self.offset(target - self.p);
         let to = target - origin;
         let distance = to.length();
-        (distance > 0.0 && distance.is_finite())
-            .then(|| (Ray { origin, dir: to / distance, leaving: Some(self.surface) }, distance))
+        (distance > 0.0 && distance.is_finite()).then(|| {
+            (
+                Ray {
+                    origin,
+                    dir: to / distance,
+                    leaving: Some(self.surface),
+                },
+                distance,
+            )
+        })
     }
 
     /// The point pushed out of its own error box, each coordinate rounded
     /// away from the surface.
     fn offset(&self, dir: DVec3) -> DVec3 {
         let reach = self.error * (self.ng.x.abs() + self.ng.y.abs() + self.ng.z.abs());
-        let side = if self.ng.dot(dir) < 0.0 { -reach } else { reach };
+        let side = if self.ng.dot(dir) < 0.0 {
+            -reach
+        } else {
+            reach
+        };
         let push = |p: f64, n: f64| {
             let o = p + side * n;
             let towards = side * n;
@@ -69,6 +85,10 @@ impl SurfacePoint {
                 o
             }
         };
-        DVec3::new(push(self.p.x, self.ng.x), push(self.p.y, self.ng.y), push(self.p.z, self.ng.z))
+        DVec3::new(
+            push(self.p.x, self.ng.x),
+            push(self.p.y, self.ng.y),
+            push(self.p.z, self.ng.z),
+        )
     }
 }

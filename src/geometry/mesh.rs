@@ -100,7 +100,10 @@ impl TriangleMesh {
             normals: normals.map(|n| n.into_iter().map(super::transform::unit).collect()),
             bvh,
             bounds: Aabb::EMPTY,
-            sphere: BoundingSphere { center: DVec3::ZERO, radius: 0.0 },
+            sphere: BoundingSphere {
+                center: DVec3::ZERO,
+                radius: 0.0,
+            },
             closed,
             dropped,
             disagreeing: 0,
@@ -113,6 +116,11 @@ impl TriangleMesh {
         mesh.sphere.radius += 2.0 * margin;
         mesh.disagreeing = mesh.count_disagreeing();
         Ok(mesh)
+    }
+
+    /// The tree over the triangles.
+    pub(super) fn bvh(&self) -> &Bvh {
+        &self.bvh
     }
 
     /// Renumbers the vertices in the order of their first use; unused ones
@@ -136,10 +144,14 @@ impl TriangleMesh {
     }
 
     fn count_disagreeing(&self) -> usize {
-        let Some(normals) = &self.normals else { return 0 };
+        let Some(normals) = &self.normals else {
+            return 0;
+        };
         let wrong = |t: &[u32; 3]| {
             let ng = triangle_normal(&self.corners(t)).unwrap_or(DVec3::ZERO);
-            t.iter().filter(|&&i| normals[i as usize].dot(ng) <= 0.0).count()
+            t.iter()
+                .filter(|&&i| normals[i as usize].dot(ng) <= 0.0)
+                .count()
         };
         self.triangles.iter().map(wrong).sum()
     }
@@ -222,19 +234,20 @@ impl TriangleMesh {
         // No part has this number: there are at most 2^28.
         let leaving = leaving.unwrap_or(u32::MAX);
         let mut best = None;
-        self.bvh.closest(ray.origin(), dir, t_max, |slots, mut t_best| {
-            for (slot, triangle) in slots.clone().zip(&self.triangles[slots]) {
-                let part = slot as u32;
-                if part == leaving {
-                    continue;
+        self.bvh
+            .closest(ray.origin(), dir, t_max, |slots, mut t_best| {
+                for (slot, triangle) in slots.clone().zip(&self.triangles[slots]) {
+                    let part = slot as u32;
+                    if part == leaving {
+                        continue;
+                    }
+                    if let Some((t, uv)) = ray.hit_along::<AXIS>(&self.corners(triangle), t_best) {
+                        t_best = t;
+                        best = Some(ShapeHit { t, part, uv });
+                    }
                 }
-                if let Some((t, uv)) = ray.hit_along::<AXIS>(&self.corners(triangle), t_best) {
-                    t_best = t;
-                    best = Some(ShapeHit { t, part, uv });
-                }
-            }
-            t_best
-        });
+                t_best
+            });
         best
     }
 
@@ -259,10 +272,15 @@ impl TriangleMesh {
     ) -> bool {
         let leaving = leaving.unwrap_or(u32::MAX);
         self.bvh.any(ray.origin(), dir, t_max, |slots| {
-            slots.clone().zip(&self.triangles[slots]).any(|(slot, triangle)| {
-                slot as u32 != leaving
-                    && ray.hit_along::<AXIS>(&self.corners(triangle), t_max).is_some()
-            })
+            slots
+                .clone()
+                .zip(&self.triangles[slots])
+                .any(|(slot, triangle)| {
+                    slot as u32 != leaving
+                        && ray
+                            .hit_along::<AXIS>(&self.corners(triangle), t_max)
+                            .is_some()
+                })
         })
     }
 
@@ -274,13 +292,20 @@ impl TriangleMesh {
         let (p, error) = point_at(&corners, hit.uv);
         // Degenerate triangles were dropped; the fallback is never taken.
         let ng = triangle_normal(&corners).unwrap_or(DVec3::Z);
-        ShapePoint { p, error, ng, ns: self.shading_normal(triangle, ng, hit.uv) }
+        ShapePoint {
+            p,
+            error,
+            ng,
+            ns: self.shading_normal(triangle, ng, hit.uv),
+        }
     }
 
     /// The interpolated normal. Each corner's normal is on the side of `ng`
     /// or replaced by it, and weights are not negative: so is their sum.
     fn shading_normal(&self, triangle: &[u32; 3], ng: DVec3, uv: [f64; 2]) -> DVec3 {
-        let Some(normals) = &self.normals else { return ng };
+        let Some(normals) = &self.normals else {
+            return ng;
+        };
         let [a, b, c] = triangle.map(|i| {
             let n = normals[i as usize];
             if n.dot(ng) > 0.0 { n } else { ng }
@@ -324,7 +349,10 @@ fn check(
     }
     if let Some(normals) = normals {
         if normals.len() != vertices {
-            return Err(MeshError::NormalCount { normals: normals.len(), vertices });
+            return Err(MeshError::NormalCount {
+                normals: normals.len(),
+                vertices,
+            });
         }
         if let Some(i) = normals.iter().position(|n| !n.is_finite()) {
             return Err(MeshError::NonFiniteNormal(i));
@@ -332,7 +360,11 @@ fn check(
     }
     for (triangle, corners) in triangles.iter().enumerate() {
         if let Some(&index) = corners.iter().find(|&&i| i as usize >= vertices) {
-            return Err(MeshError::IndexOutOfRange { triangle, index, vertices });
+            return Err(MeshError::IndexOutOfRange {
+                triangle,
+                index,
+                vertices,
+            });
         }
     }
     Ok(())
@@ -361,7 +393,11 @@ fn is_closed(positions: &[DVec3], triangles: &[[u32; 3]]) -> bool {
     }
     edges.sort_unstable();
     edges.chunks(2).all(|pair| {
-        let [(a, b, first), (c, d, second)] = pair else { return false };
+        let [(a, b, first), (c, d, second)] = pair else {
+            return false;
+        };
         (a, b) == (c, d) && first != second
-    }) && edges.windows(3).all(|w| (w[0].0, w[0].1) != (w[2].0, w[2].1))
+    }) && edges
+        .windows(3)
+        .all(|w| (w[0].0, w[0].1) != (w[2].0, w[2].1))
 }

@@ -23,6 +23,7 @@ pub mod brute;
 pub mod bvh;
 pub mod hit;
 pub mod mesh;
+mod near;
 pub mod ray;
 pub mod shape;
 pub mod transform;

@@ -26,7 +26,11 @@ pub struct Ray {
 impl Ray {
     /// A ray that starts in free space.
     pub fn new(origin: DVec3, dir: DVec3) -> Self {
-        Self { origin, dir, leaving: None }
+        Self {
+            origin,
+            dir,
+            leaving: None,
+        }
     }
 
     /// The point at distance `t` metres.

@@ -122,6 +122,13 @@ impl Transform {
         scale * largest_eigenvalue(gram).sqrt() * (1.0 + gamma(64))
     }
 
+    /// A bound on the factor by which the way back stretches a vector: the
+    /// Frobenius norm of the inverse.
+    pub fn inverse_stretch(&self) -> f64 {
+        let squares: f64 = self.inverse.to_cols_array().iter().map(|x| x * x).sum();
+        squares.sqrt() * (1.0 + gamma(12))
+    }
+
     /// The smallest box around the image of a box.
     pub fn bounds(&self, b: &Aabb) -> Aabb {
         if b.is_empty() {

@@ -76,21 +76,42 @@ impl World {
     pub fn new(instances: Vec<Instance>) -> Self {
         let boxes: Vec<_> = instances.iter().map(Instance::bounds).collect();
         let spheres = instances.iter().map(Instance::bounding_sphere).collect();
-        let bounded: Vec<(u32, Aabb)> =
-            (0..).zip(&boxes).filter_map(|(i, b)| b.map(|b| (i, b))).collect();
-        let unbounded = (0..).zip(&boxes).filter(|(_, b)| b.is_none()).map(|(i, _)| i).collect();
+        let bounded: Vec<(u32, Aabb)> = (0..)
+            .zip(&boxes)
+            .filter_map(|(i, b)| b.map(|b| (i, b)))
+            .collect();
+        let unbounded = (0..)
+            .zip(&boxes)
+            .filter(|(_, b)| b.is_none())
+            .map(|(i, _)| i)
+            .collect();
         let (bvh, order) = Bvh::build(bounded.len(), 1, |i| bounded[i].1);
         let slots = order.into_iter().map(|i| bounded[i as usize].0).collect();
-        Self { instances, bvh, slots, unbounded, boxes, spheres }
+        Self {
+            instances,
+            bvh,
+            slots,
+            unbounded,
+            boxes,
+            spheres,
+        }
     }
 
     /// The nearest hit with `0 < t < t_max` metres.
     pub fn closest(&self, ray: &Ray, t_max: f64) -> Option<Hit> {
         let mut best = None;
         let mut test = |instance: u32, t_max: f64| -> f64 {
-            let found = self.instance(instance).intersect(ray, t_max, leaving_part(ray, instance));
-            let Some(ShapeHit { t, part, uv }) = found else { return t_max };
-            best = Some(Hit { t, surface: SurfaceId { instance, part }, uv });
+            let found = self
+                .instance(instance)
+                .intersect(ray, t_max, leaving_part(ray, instance));
+            let Some(ShapeHit { t, part, uv }) = found else {
+                return t_max;
+            };
+            best = Some(Hit {
+                t,
+                surface: SurfaceId { instance, part },
+                uv,
+            });
             t
         };
         let t = self.unbounded.iter().fold(t_max, |t, &i| test(i, t));
@@ -103,29 +124,46 @@ impl World {
     /// True if there is any hit with `0 < t < t_max` metres on an instance
     /// that `ignore` does not name.
     pub fn occluded(&self, ray: &Ray, t_max: f64, ignore: impl Fn(u32) -> bool) -> bool {
-        let blocks = |&i: &u32| {
-            !ignore(i) && self.instance(i).occludes(ray, t_max, leaving_part(ray, i))
-        };
+        let blocks =
+            |&i: &u32| !ignore(i) && self.instance(i).occludes(ray, t_max, leaving_part(ray, i));
         self.unbounded.iter().any(blocks)
-            || self.bvh.any(ray.origin, ray.dir, t_max, |slots| self.slots[slots].iter().any(blocks))
+            || self.bvh.any(ray.origin, ray.dir, t_max, |slots| {
+                self.slots[slots].iter().any(blocks)
+            })
     }
 
     /// The point at a hit that this world has returned for the same ray.
     pub fn surface(&self, ray: &Ray, hit: &Hit) -> SurfacePoint {
         let instance = self.instance(hit.surface.instance);
         let (origin, dir) = instance.own_ray(ray);
-        let own = ShapeHit { t: hit.t, part: hit.surface.part, uv: hit.uv };
+        let own = ShapeHit {
+            t: hit.t,
+            part: hit.surface.part,
+            uv: hit.uv,
+        };
         let own = instance.shape.surface(origin, dir, &own);
         let surface = hit.surface;
         match &instance.transform {
-            None => SurfacePoint { p: own.p, error: own.error, ng: own.ng, ns: own.ns, surface },
+            None => SurfacePoint {
+                p: own.p,
+                error: own.error,
+                ng: own.ng,
+                ns: own.ns,
+                surface,
+            },
             Some(m) => {
                 // A linear map of normals keeps the sign of ns . ng only
                 // when both are the same; otherwise their angle may open.
                 let ng = m.normal(own.ng);
                 let ns = m.normal(own.ns);
                 let ns = if ns.dot(ng) > 0.0 { ns } else { ng };
-                SurfacePoint { p: m.point(own.p), error: m.point_error(own.p, own.error), ng, ns, surface }
+                SurfacePoint {
+                    p: m.point(own.p),
+                    error: m.point_error(own.p, own.error),
+                    ng,
+                    ns,
+                    surface,
+                }
             }
         }
     }
@@ -159,5 +197,7 @@ impl World {
 /// The part of the instance on which the ray starts, if it does.
 #[inline]
 pub(super) fn leaving_part(ray: &Ray, instance: u32) -> Option<u32> {
-    ray.leaving.filter(|s| s.instance == instance).map(|s| s.part)
+    ray.leaving
+        .filter(|s| s.instance == instance)
+        .map(|s| s.part)
 }

@@ -64,7 +64,11 @@ impl Aim {
     /// Estimated power sent towards casters, in W; parts that overlap count
     /// twice.
     pub fn power_estimate(&self) -> f64 {
-        if self.choice.is_some() { self.power } else { 0.0 }
+        if self.choice.is_some() {
+            self.power
+        } else {
+            0.0
+        }
     }
 
     /// Number of parts; zero if the light reaches no caster.
@@ -80,7 +84,9 @@ impl Aim {
         dir: [f64; 2],
         point: [f64; 2],
     ) -> (Ray, Rgb) {
-        let Some(choice) = &self.choice else { return (Ray::new(DVec3::ZERO, DVec3::Z), Rgb::BLACK) };
+        let Some(choice) = &self.choice else {
+            return (Ray::new(DVec3::ZERO, DVec3::Z), Rgb::BLACK);
+        };
         let (k, _) = choice.sample(u);
         let start = domain::draw(&self.light, self.targets[k], dir, point);
         let mut density = choice.probability(k) * start.own_density;
@@ -92,7 +98,11 @@ impl Aim {
         let flux = start.emission / density;
         let ray = self.ray(ctx, &start);
         let shaded = matches!(self.light, Light::Sun(_)) && behind_a_plane(ctx, &ray);
-        if flux.is_finite() && !shaded { (ray, flux) } else { (ray, Rgb::BLACK) }
+        if flux.is_finite() && !shaded {
+            (ray, flux)
+        } else {
+            (ray, Rgb::BLACK)
+        }
     }
 
     /// Power in W that is not aimed at any caster, and the standard error of
@@ -104,8 +114,15 @@ impl Aim {
         for i in 0..samples {
             let mut s = sequence.at(i);
             let start = domain::draw(&self.light, Target::Whole, s.next_2d(), s.next_2d());
-            let aimed = self.targets.iter().any(|t| domain::density(&self.light, *t, &start) > 0.0);
-            let x = if aimed { 0.0 } else { (start.emission / start.own_density).mean() };
+            let aimed = self
+                .targets
+                .iter()
+                .any(|t| domain::density(&self.light, *t, &start) > 0.0);
+            let x = if aimed {
+                0.0
+            } else {
+                (start.emission / start.own_density).mean()
+            };
             sum += x;
             squares += x * x;
         }
@@ -116,7 +133,11 @@ impl Aim {
 
     fn ray(&self, ctx: &Context<'_>, start: &Start) -> Ray {
         let leaving = self.body.map(|instance| SurfaceId { instance, part: 0 });
-        let mut ray = Ray { origin: start.origin, dir: start.dir, leaving };
+        let mut ray = Ray {
+            origin: start.origin,
+            dir: start.dir,
+            leaving,
+        };
         if let (Light::Sun(_), Some(bounds)) = (&self.light, ctx.scene.world.bounds()) {
             // Start before everything that is bounded.
             let all = bounds.bounding_sphere();
@@ -168,7 +189,9 @@ fn grouped(spheres: Vec<BoundingSphere>) -> Vec<BoundingSphere> {
                 let c = g.iter().map(|s| s.center[axis]);
                 c.clone().fold(f64::MIN, f64::max) - c.fold(f64::MAX, f64::min)
             };
-            let axis = (0..3).max_by(|a, b| spread(*a).total_cmp(&spread(*b))).unwrap_or(0);
+            let axis = (0..3)
+                .max_by(|a, b| spread(*a).total_cmp(&spread(*b)))
+                .unwrap_or(0);
             g.sort_by(|a, b| a.center[axis].total_cmp(&b.center[axis]));
             let tail = g.split_off(g.len() / 2);
             next.push(g);
@@ -185,6 +208,12 @@ fn cover(group: &[BoundingSphere]) -> Option<BoundingSphere> {
         return None;
     }
     let center = group.iter().map(|s| s.center).sum::<DVec3>() / group.len() as f64;
-    let radius = group.iter().map(|s| s.center.distance(center) + s.radius).fold(0.0, f64::max);
-    Some(BoundingSphere { center, radius: radius * (1.0 + 8.0 * crate::numeric::U) })
+    let radius = group
+        .iter()
+        .map(|s| s.center.distance(center) + s.radius)
+        .fold(0.0, f64::max);
+    Some(BoundingSphere {
+        center,
+        radius: radius * (1.0 + 8.0 * crate::numeric::U),
+    })
 }

@@ -12,11 +12,7 @@ use std::f64::consts::TAU;
 use glam::DVec3;
 
 use crate::{
-    geometry::BoundingSphere,
-    light::Light,
-    numeric::Frame,
-    sampling::warp,
-    spectrum::Rgb,
+    geometry::BoundingSphere, light::Light, numeric::Frame, sampling::warp, spectrum::Rgb,
 };
 
 use super::emit::disc_area;
@@ -70,19 +66,42 @@ pub(super) fn draw(light: &Light, target: Target, dir: [f64; 2], point: [f64; 2]
             let (axis, q) = cap(l.center, l.radius, target);
             let normal = Frame::around(axis).to_world(warp::cone(point, q));
             let area = TAU * l.radius * l.radius * q;
-            from_surface(l.center + normal * l.radius, normal, area, l.radiance, target, dir)
+            from_surface(
+                l.center + normal * l.radius,
+                normal,
+                area,
+                l.radiance,
+                target,
+                dir,
+            )
         }
-        Light::Quad(l) => from_surface(l.point(point), l.normal(), l.area(), l.radiance, target, dir),
-        Light::Disc(l) => {
-            from_surface(l.point(point), l.normal, disc_area(l.radius), l.radiance, target, dir)
-        }
+        Light::Quad(l) => from_surface(
+            l.point(point),
+            l.normal(),
+            l.area(),
+            l.radiance,
+            target,
+            dir,
+        ),
+        Light::Disc(l) => from_surface(
+            l.point(point),
+            l.normal,
+            disc_area(l.radius),
+            l.radiance,
+            target,
+            dir,
+        ),
         Light::Beam(l) => {
             let (center, radius) = section(target, l.center, l.axis, l.radius);
             let offset = warp::disc(dir) * radius;
             let frame = Frame::around(l.axis);
             let origin = center + frame.s * offset.x + frame.t * offset.y;
             let across = (origin - l.center).length_squared();
-            let emission = if across <= l.radius * l.radius { l.irradiance } else { Rgb::BLACK };
+            let emission = if across <= l.radius * l.radius {
+                l.irradiance
+            } else {
+                Rgb::BLACK
+            };
             parallel(origin, l.axis, emission, radius)
         }
         Light::Sun(l) => {
@@ -91,7 +110,12 @@ pub(super) fn draw(light: &Light, target: Target, dir: [f64; 2], point: [f64; 2]
             let (center, radius) = section(target, DVec3::ZERO, travel, 0.0);
             let offset = warp::disc(dir) * radius;
             let frame = Frame::around(travel);
-            parallel(center + frame.s * offset.x + frame.t * offset.y, travel, emission, radius)
+            parallel(
+                center + frame.s * offset.x + frame.t * offset.y,
+                travel,
+                emission,
+                radius,
+            )
         }
     }
 }
@@ -172,24 +196,40 @@ fn from_point(
     let (axis, q) = directions(p, own, target);
     let dir = Frame::around(axis).to_world(warp::cone(u, q)).normalize();
     let emission = intensity(dir);
-    Start { origin: p, dir, emission, normal: dir, own_density: warp::cone_pdf(q) }
+    Start {
+        origin: p,
+        dir,
+        emission,
+        normal: dir,
+        own_density: warp::cone_pdf(q),
+    }
 }
 
 fn direction_density(p: DVec3, own: (DVec3, f64), target: Target, dir: DVec3) -> f64 {
     let (axis, q) = directions(p, own, target);
-    if in_cone(dir, axis, q) { warp::cone_pdf(q) } else { 0.0 }
+    if in_cone(dir, axis, q) {
+        warp::cone_pdf(q)
+    } else {
+        0.0
+    }
 }
 
 /// The part of a glowing sphere that can see the target: a cap, as axis and
 /// `1 - cos`.
 fn cap(center: DVec3, radius: f64, target: Target) -> (DVec3, f64) {
-    let Target::Sphere(s) = target else { return whole_sphere() };
+    let Target::Sphere(s) = target else {
+        return whole_sphere();
+    };
     let to = s.center - center;
     let d = to.length();
     // A point at angle a from the axis sees the sphere over its own horizon
     // iff d cos a > radius - s.radius.
     let cos = (radius - s.radius) / d;
-    if d > 0.0 && cos > -1.0 { (to / d, 1.0 - cos.min(1.0)) } else { whole_sphere() }
+    if d > 0.0 && cos > -1.0 {
+        (to / d, 1.0 - cos.min(1.0))
+    } else {
+        whole_sphere()
+    }
 }
 
 fn from_surface(
@@ -203,15 +243,27 @@ fn from_surface(
     let (dir, pdf) = match target {
         Target::Sphere(s) if cone_to(&s, origin).is_some_and(|c| c.1 > 0.0) => {
             let (axis, q) = cone_to(&s, origin).unwrap_or(whole_sphere());
-            (Frame::around(axis).to_world(warp::cone(u, q)).normalize(), warp::cone_pdf(q))
+            (
+                Frame::around(axis).to_world(warp::cone(u, q)).normalize(),
+                warp::cone_pdf(q),
+            )
         }
         _ => {
             let local = warp::cosine_hemisphere(u);
-            (Frame::around(normal).to_world(local).normalize(), warp::cosine_hemisphere_pdf(local.z))
+            (
+                Frame::around(normal).to_world(local).normalize(),
+                warp::cosine_hemisphere_pdf(local.z),
+            )
         }
     };
     let emission = radiance * normal.dot(dir).max(0.0);
-    Start { origin, dir, emission, normal, own_density: pdf / area }
+    Start {
+        origin,
+        dir,
+        emission,
+        normal,
+        own_density: pdf / area,
+    }
 }
 
 fn surface_density(start: &Start, area: f64, target: Target) -> f64 {
@@ -243,12 +295,26 @@ fn section(target: Target, own_center: DVec3, axis: DVec3, own: f64) -> (DVec3, 
 fn parallel(origin: DVec3, dir: DVec3, emission: Rgb, radius: f64) -> Start {
     let own_density = 1.0 / disc_area(radius);
     // A disc of no area emits nothing.
-    let emission = if own_density.is_finite() { emission } else { Rgb::BLACK };
-    Start { origin, dir, emission, normal: dir, own_density }
+    let emission = if own_density.is_finite() {
+        emission
+    } else {
+        Rgb::BLACK
+    };
+    Start {
+        origin,
+        dir,
+        emission,
+        normal: dir,
+        own_density,
+    }
 }
 
 fn section_density(center: DVec3, radius: f64, start: &Start) -> f64 {
     let f = start.origin - center;
     let across = (f - start.dir * f.dot(start.dir)).length_squared();
-    if across <= radius * radius { 1.0 / disc_area(radius) } else { 0.0 }
+    if across <= radius * radius {
+        1.0 / disc_area(radius)
+    } else {
+        0.0
+    }
 }

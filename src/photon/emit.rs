@@ -50,7 +50,10 @@ impl Emitter {
             .map(|(i, _)| Aim::new(ctx, i, Sequence::new(0, Purpose::Pilot, 0, i as u64)))
             .collect();
         let weights: Vec<f64> = aims.iter().map(Aim::power_estimate).collect();
-        Some(Self { choice: Discrete::new(&weights)?, aims })
+        Some(Self {
+            choice: Discrete::new(&weights)?,
+            aims,
+        })
     }
 
     /// The start of the path that the stream stands for.
@@ -60,7 +63,11 @@ impl Emitter {
         let (light, _) = self.choice.sample(stream.next_1d());
         let target = stream.next_1d();
         let (ray, flux) = self.aims[light].sample(ctx, target, direction, point);
-        Emission { ray, flux: flux / self.choice.probability(light), light: light as u32 }
+        Emission {
+            ray,
+            flux: flux / self.choice.probability(light),
+            light: light as u32,
+        }
     }
 
     /// How the lights are aimed, in the order of the scene's lights.

@@ -21,7 +21,8 @@ type Tree = KdTree<f32, u32, Eytzinger, FlatVec<f32, u32, 3, 32>, 3, 32>;
 /// Memory that a stored photon needs while its pass is built, in bytes: the
 /// traced record (twice, while chunks are joined), the tree's input and the
 /// tree with its build space. Checked by the `map` bench's peak memory.
-pub const BYTES_PER_PHOTON: u64 = 2 * size_of::<Photon>() as u64 + 12 + size_of::<Stored>() as u64 + 24 + 12;
+pub const BYTES_PER_PHOTON: u64 =
+    2 * size_of::<Photon>() as u64 + 12 + size_of::<Stored>() as u64 + 24 + 12;
 
 /// Photons whose surface normal differs more than this from the query's
 /// (cosine) lie on another face.
@@ -60,9 +61,15 @@ impl PhotonMap {
         let (low, high) = kept.iter().fold((DVec3::MAX, DVec3::MIN), |(l, h), p| {
             (l.min(p.position), h.max(p.position))
         });
-        let center = if kept.is_empty() { DVec3::ZERO } else { low.midpoint(high) };
-        let positions: Vec<[f32; 3]> =
-            kept.par_iter().map(|p| (rotation * (p.position - center)).as_vec3().to_array()).collect();
+        let center = if kept.is_empty() {
+            DVec3::ZERO
+        } else {
+            low.midpoint(high)
+        };
+        let positions: Vec<[f32; 3]> = kept
+            .par_iter()
+            .map(|p| (rotation * (p.position - center)).as_vec3().to_array())
+            .collect();
         let stored: Vec<Stored> = kept
             .par_iter()
             .map(|p| Stored {
@@ -72,9 +79,25 @@ impl PhotonMap {
             .collect();
         // The builder refuses nothing that is finite and indexable by u32,
         // and the budget of a pass keeps the count far below 2^32.
-        let tree = if positions.is_empty() { None } else { Tree::new_from_slice_parallel(&positions).ok() };
-        let per_path = if emitted == 0 { 0.0 } else { 1.0 / emitted as f64 };
-        Self { tree, positions, stored, center, rotation, per_path, refused }
+        let tree = if positions.is_empty() {
+            None
+        } else {
+            Tree::new_from_slice_parallel(&positions).ok()
+        };
+        let per_path = if emitted == 0 {
+            0.0
+        } else {
+            1.0 / emitted as f64
+        };
+        Self {
+            tree,
+            positions,
+            stored,
+            center,
+            rotation,
+            per_path,
+            refused,
+        }
     }
 
     /// Number of photons in the map.
@@ -94,9 +117,12 @@ impl PhotonMap {
 
     /// Irradiance in W/m2 at `p` on the side of the unit normal `n`, by an
     /// Epanechnikov kernel `2/pi (1 - d^2/r^2) / r^2` over the distance `d` in
-    /// the tangent plane, `r` in metres above 0.
-    pub fn irradiance(&self, p: DVec3, n: DVec3, r: f64) -> Rgb {
-        let Some(tree) = &self.tree else { return Rgb::BLACK };
+    /// the tangent plane, `r` in metres above 0. `keep` may refuse a photon by
+    /// its position: where a wall stands between.
+    pub fn irradiance(&self, p: DVec3, n: DVec3, r: f64, keep: impl Fn(DVec3) -> bool) -> Rgb {
+        let Some(tree) = &self.tree else {
+            return Rgb::BLACK;
+        };
         let query = (self.rotation * (p - self.center)).as_vec3();
         let normal = (self.rotation * n).as_vec3();
         let radius = r as f32;
@@ -105,20 +131,29 @@ impl PhotonMap {
             return Rgb::BLACK;
         }
         let mut sum = [0.0f64; 3];
-        tree.query(&query.to_array()).within::<SquaredEuclidean<f32>>(r2).unsorted().visit(|hit| {
-            let i = hit.item as usize;
-            let offset = Vec3::from(self.positions[i]) - query;
-            let height = offset.dot(normal);
-            let stored = &self.stored[i];
-            if height.abs() > SLAB * radius || decode(stored.normal).dot(normal) < SAME_FACE_COSINE {
-                return;
-            }
-            let tangential = offset.length_squared() - height * height;
-            let k = f64::from((1.0 - tangential / r2).max(0.0));
-            for (s, f) in sum.iter_mut().zip(stored.flux) {
-                *s += k * f64::from(f);
-            }
-        });
+        tree.query(&query.to_array())
+            .within::<SquaredEuclidean<f32>>(r2)
+            .unsorted()
+            .visit(|hit| {
+                let i = hit.item as usize;
+                let offset = Vec3::from(self.positions[i]) - query;
+                let height = offset.dot(normal);
+                let stored = &self.stored[i];
+                if height.abs() > SLAB * radius
+                    || decode(stored.normal).dot(normal) < SAME_FACE_COSINE
+                {
+                    return;
+                }
+                let tangential = offset.length_squared() - height * height;
+                let k = f64::from((1.0 - tangential / r2).max(0.0));
+                // The rotation's transpose is its inverse.
+                if k == 0.0 || !keep(p + self.rotation.transpose() * offset.as_dvec3()) {
+                    return;
+                }
+                for (s, f) in sum.iter_mut().zip(stored.flux) {
+                    *s += k * f64::from(f);
+                }
+            });
         Rgb(sum) * (FRAC_2_PI * self.per_path / (r * r))
     }
 }
@@ -136,7 +171,10 @@ fn encode(n: Vec3) -> u32 {
     let (x, y) = if n.z >= 0.0 {
         (n.x, n.y)
     } else {
-        ((1.0 - n.y.abs()).copysign(n.x), (1.0 - n.x.abs()).copysign(n.y))
+        (
+            (1.0 - n.y.abs()).copysign(n.x),
+            (1.0 - n.x.abs()).copysign(n.y),
+        )
     };
     let quantise = |v: f32| ((v.clamp(-1.0, 1.0) * 32767.0).round() as i16 as u16) as u32;
     quantise(x) | (quantise(y) << 16)
@@ -162,7 +200,14 @@ mod tests {
             let n = warp::sphere(seq.at(i).next_2d()).as_vec3();
             assert!(decode(encode(n)).distance(n) < 1e-4, "{n}");
         }
-        for n in [Vec3::X, Vec3::NEG_X, Vec3::Y, Vec3::NEG_Y, Vec3::Z, Vec3::NEG_Z] {
+        for n in [
+            Vec3::X,
+            Vec3::NEG_X,
+            Vec3::Y,
+            Vec3::NEG_Y,
+            Vec3::Z,
+            Vec3::NEG_Z,
+        ] {
             assert!(decode(encode(n)).distance(n) < 1e-4, "{n}");
         }
     }
@@ -199,9 +244,15 @@ mod tests {
                 }
             }
             let expected = sum * FRAC_2_PI / (r * r) / 20_000.0;
-            let got = map.irradiance(p, DVec3::Z, r);
-            assert!((got[0] - expected).abs() < 2e-4 * expected.max(1e-3), "{} against {expected}", got[0]);
-            assert!((got[1] - 0.5 * got[0]).abs() < 1e-12 && (got[2] - 0.25 * got[0]).abs() < 1e-12);
+            let got = map.irradiance(p, DVec3::Z, r, |_| true);
+            assert!(
+                (got[0] - expected).abs() < 2e-4 * expected.max(1e-3),
+                "{} against {expected}",
+                got[0]
+            );
+            assert!(
+                (got[1] - 0.5 * got[0]).abs() < 1e-12 && (got[2] - 0.25 * got[0]).abs() < 1e-12
+            );
         }
     }
 
@@ -218,39 +269,73 @@ mod tests {
                 .map(|i| {
                     let [a, b] = seq.at(i).next_2d();
                     let p = DVec3::new(a - 0.5, b - 0.5, 0.0);
-                    map.irradiance(p, DVec3::Z, r)[0]
+                    map.irradiance(p, DVec3::Z, r, |_| true)[0]
                 })
                 .sum::<f64>()
                 / n as f64;
             // One watt a photon, one path each: 1 W over 4 m2. The bound is
             // three standard errors of independent photons; low-discrepancy
             // ones do better.
-            let se = 0.25 * (4.0 / (3.0 * f64::from(1 << 16) * 0.25 * std::f64::consts::PI * r * r)).sqrt()
+            let se = 0.25
+                * (4.0 / (3.0 * f64::from(1 << 16) * 0.25 * std::f64::consts::PI * r * r)).sqrt()
                 / (n as f64).sqrt().min(0.5 / r);
-            assert!((mean - 0.25).abs() < 3.0 * se, "radius {r}: {mean}, se {se}");
+            assert!(
+                (mean - 0.25).abs() < 3.0 * se,
+                "radius {r}: {mean}, se {se}"
+            );
         }
     }
 
     #[test]
     fn the_other_side_and_other_faces_get_nothing() {
         let map = PhotonMap::new(&floor_photons(10_000, 1.0, |_| 0.0), 10_000);
-        assert!(map.irradiance(DVec3::ZERO, DVec3::Z, 0.1)[0] > 0.0);
-        assert!(map.irradiance(DVec3::ZERO, DVec3::NEG_Z, 0.1).is_black(), "back side");
-        assert!(map.irradiance(DVec3::ZERO, DVec3::X, 0.1).is_black(), "a wall on the floor");
-        assert!(map.irradiance(DVec3::new(0.0, 0.0, 0.08), DVec3::Z, 0.1).is_black(), "a shelf above");
+        assert!(map.irradiance(DVec3::ZERO, DVec3::Z, 0.1, |_| true)[0] > 0.0);
+        assert!(
+            map.irradiance(DVec3::ZERO, DVec3::NEG_Z, 0.1, |_| true)
+                .is_black(),
+            "back side"
+        );
+        assert!(
+            map.irradiance(DVec3::ZERO, DVec3::X, 0.1, |_| true)
+                .is_black(),
+            "a wall on the floor"
+        );
+        assert!(
+            map.irradiance(DVec3::new(0.0, 0.0, 0.08), DVec3::Z, 0.1, |_| true)
+                .is_black(),
+            "a shelf above"
+        );
     }
 
     #[test]
     fn degenerate_sets() {
-        let one = |p: DVec3| Photon { position: p, normal: DVec3::Z, flux: Rgb::WHITE };
-        assert!(PhotonMap::new(&[], 10).irradiance(DVec3::ZERO, DVec3::Z, 1.0).is_black());
+        let one = |p: DVec3| Photon {
+            position: p,
+            normal: DVec3::Z,
+            flux: Rgb::WHITE,
+        };
+        assert!(
+            PhotonMap::new(&[], 10)
+                .irradiance(DVec3::ZERO, DVec3::Z, 1.0, |_| true)
+                .is_black()
+        );
         let same = vec![one(DVec3::splat(3.0)); 5000];
         let map = PhotonMap::new(&same, 5000);
-        let at = map.irradiance(DVec3::splat(3.0), DVec3::Z, 0.5)[0];
-        assert!((at - FRAC_2_PI / 0.25).abs() < 1e-9, "5000 coincident photons: {at}");
-        let bad = [one(DVec3::ZERO), one(DVec3::new(f64::NAN, 0.0, 0.0)), one(DVec3::splat(f64::INFINITY))];
+        let at = map.irradiance(DVec3::splat(3.0), DVec3::Z, 0.5, |_| true)[0];
+        assert!(
+            (at - FRAC_2_PI / 0.25).abs() < 1e-9,
+            "5000 coincident photons: {at}"
+        );
+        let bad = [
+            one(DVec3::ZERO),
+            one(DVec3::new(f64::NAN, 0.0, 0.0)),
+            one(DVec3::splat(f64::INFINITY)),
+        ];
         let map = PhotonMap::new(&bad, 3);
         assert_eq!((map.len(), map.refused()), (1, 2));
-        assert!(map.irradiance(DVec3::ZERO, DVec3::Z, f64::NAN).is_black());
+        assert!(
+            map.irradiance(DVec3::ZERO, DVec3::Z, f64::NAN, |_| true)
+                .is_black()
+        );
     }
 }

@@ -24,7 +24,13 @@ pub struct Shot {
 }
 
 /// Traces paths `first .. first + count` of a sequence.
-pub fn shoot(ctx: &Context<'_>, emitter: &Emitter, sequence: Sequence, first: u64, count: u64) -> Shot {
+pub fn shoot(
+    ctx: &Context<'_>,
+    emitter: &Emitter,
+    sequence: Sequence,
+    first: u64,
+    count: u64,
+) -> Shot {
     let chunks: Vec<(Vec<Photon>, Tally)> = (0..count.div_ceil(CHUNK))
         .into_par_iter()
         .map(|c| {
@@ -55,7 +61,12 @@ fn shoot_chunk(
     for index in range {
         let mut stream = sequence.at(index);
         let emission = emitter.emit(ctx, &mut stream);
-        photons.extend(trace(ctx, &emission, &mut stream, &mut tally.lights[emission.light as usize]));
+        photons.extend(trace(
+            ctx,
+            &emission,
+            &mut stream,
+            &mut tally.lights[emission.light as usize],
+        ));
     }
     (photons, tally)
 }

@@ -61,7 +61,12 @@ impl LightTally {
     /// Left side of the balance minus the right side.
     pub fn imbalance(&self) -> f64 {
         (self.launched + self.roulette_gain + self.shading_change)
-            - (self.stored + self.direct + self.absorbed + self.escaped + self.roulette_loss + self.truncated)
+            - (self.stored
+                + self.direct
+                + self.absorbed
+                + self.escaped
+                + self.roulette_loss
+                + self.truncated)
     }
 }
 
@@ -93,7 +98,9 @@ pub struct Tally {
 impl Tally {
     /// An empty ledger for so many lights.
     pub fn new(lights: usize) -> Self {
-        Self { lights: vec![LightTally::default(); lights] }
+        Self {
+            lights: vec![LightTally::default(); lights],
+        }
     }
 
     /// Adds another ledger of the same lights.
@@ -105,9 +112,11 @@ impl Tally {
 
     /// All lights together.
     pub fn total(&self) -> LightTally {
-        self.lights.iter().fold(LightTally::default(), |mut sum, l| {
-            sum += *l;
-            sum
-        })
+        self.lights
+            .iter()
+            .fold(LightTally::default(), |mut sum, l| {
+                sum += *l;
+                sum
+            })
     }
 }

@@ -28,7 +28,12 @@ pub struct Photon {
 const ROULETTE_BELOW: f64 = 0.25;
 
 /// Follows a photon; what becomes of its flux goes into `tally`.
-pub fn trace(ctx: &Context<'_>, emission: &Emission, stream: &mut Stream, tally: &mut LightTally) -> Option<Photon> {
+pub fn trace(
+    ctx: &Context<'_>,
+    emission: &Emission,
+    stream: &mut Stream,
+    tally: &mut LightTally,
+) -> Option<Photon> {
     let mut flux = emission.flux;
     tally.paths += 1;
     tally.launched += flux.mean();
@@ -86,7 +91,11 @@ fn scatter(flux: Rgb, lobe: &Lobe, tally: &mut LightTally) -> Rgb {
 fn survival(flux: Rgb, launched: Rgb) -> f64 {
     let floor = ROULETTE_BELOW * launched.max();
     let q = flux.max() / floor;
-    if q < 1.0 { q.max(f64::MIN_POSITIVE) } else { 1.0 }
+    if q < 1.0 {
+        q.max(f64::MIN_POSITIVE)
+    } else {
+        1.0
+    }
 }
 
 /// The photon's end at a surface that is not specular.
@@ -108,6 +117,14 @@ fn end(
     }
     tally.stored += flux.mean();
     tally.photons += 1;
-    let normal = if point.ng.dot(d) > 0.0 { -point.ng } else { point.ng };
-    Some(Photon { position: point.p, normal, flux })
+    let normal = if point.ng.dot(d) > 0.0 {
+        -point.ng
+    } else {
+        point.ng
+    };
+    Some(Photon {
+        position: point.p,
+        normal,
+        flux,
+    })
 }

@@ -30,7 +30,7 @@ const SHADOW_RAYS: [u32; 2] = [8, 1];
 /// Growth of a path's footprint after a diffuse bounce, in metres per metre:
 /// the bounce averages over a wide cone, so the caustic seen there may be
 /// blurred over a small part of it.
-const DIFFUSE_SPREAD: f64 = 0.04;
+const DIFFUSE_SPREAD: f64 = 0.01;
 
 /// Bounces between diffuse surfaces before the roulette may end a path.
 const SURE_BOUNCES: u32 = 2;
@@ -55,7 +55,12 @@ pub(super) struct CameraTally {
 
 impl Gather<'_> {
     /// Light through a film position, by layer.
-    pub(super) fn sample(&self, ray: Ray, stream: &mut Stream, tally: &mut CameraTally) -> PixelSample {
+    pub(super) fn sample(
+        &self,
+        ray: Ray,
+        stream: &mut Stream,
+        tally: &mut CameraTally,
+    ) -> PixelSample {
         let mut sample = PixelSample::default();
         let mut pending = vec![(Walker::new(ray), SPLITS)];
         let first = stream.dimension();
@@ -63,8 +68,9 @@ impl Gather<'_> {
         while let Some((mut walker, splits)) = pending.pop() {
             stream.seek(first + side_paths * SIDE_PATH);
             side_paths += 1;
-            let end =
-                walker.walk(&self.ctx, stream, splits, &mut |other, left| pending.push((other, left)));
+            let end = walker.walk(&self.ctx, stream, splits, &mut |other, left| {
+                pending.push((other, left))
+            });
             self.finish(&walker, end, stream, &mut sample, tally);
         }
         sample
@@ -87,21 +93,29 @@ impl Gather<'_> {
                 }
             }
             End::Truncated => tally.truncated += 1,
-            End::Surface { point, material: Material::Diffuse { reflectance } } => {
+            End::Surface {
+                point,
+                material: Material::Diffuse { reflectance },
+            } => {
                 let at = DiffusePoint::new(point, walker.ray.dir, reflectance);
                 let width = self.footprint.width + self.footprint.spread * walker.length;
                 let direct = direct_light(&self.ctx, &at, stream, SHADOW_RAYS[0]);
                 sample[Layer::Direct] += walker.throughput * direct;
                 sample[Layer::Caustic] += walker.throughput * self.caustic(&at, width, tally);
                 if self.ctx.plan.indirect {
-                    let bounced = Walker { throughput: walker.throughput * reflectance, ..*walker };
+                    let bounced = Walker {
+                        throughput: walker.throughput * reflectance,
+                        ..*walker
+                    };
                     sample[Layer::Indirect] += self.indirect(bounced, at, stream, tally);
                 }
             }
             End::Surface { point, .. } => {
                 if let Some(light) = self.ctx.scene.object(point.surface).light {
                     let cos = -point.ng.dot(walker.ray.dir);
-                    let radiance = self.ctx.scene.lights[light as usize].light.surface_radiance(cos);
+                    let radiance = self.ctx.scene.lights[light as usize]
+                        .light
+                        .surface_radiance(cos);
                     sample[Layer::Emission] += walker.throughput * radiance;
                 }
             }
@@ -111,9 +125,25 @@ impl Gather<'_> {
     /// Reflected radiance of the light in the photon map, for a footprint of
     /// the given width in metres.
     fn caustic(&self, at: &DiffusePoint, width: f64, tally: &mut CameraTally) -> Rgb {
-        let Some(map) = self.map else { return Rgb::BLACK };
+        let Some(map) = self.map else {
+            return Rgb::BLACK;
+        };
         tally.queries += 1;
-        let irradiance = map.irradiance(at.point.p, at.ng, self.scale * width);
+        let radius = self.scale * width;
+        let instance = at.point.surface.instance;
+        let world = &self.ctx.scene.world;
+        let irradiance = if world.is_crowded(at.point.p, radius, instance) {
+            // Light on the far side of a wall does not reach this point.
+            let ignore =
+                |i: u32| i == instance || self.ctx.scene.objects[i as usize].material.is_straight();
+            map.irradiance(at.point.p, at.ng, radius, |photon| {
+                at.point
+                    .spawn_towards(photon)
+                    .is_none_or(|(ray, distance)| !world.occluded(&ray, distance, ignore))
+            })
+        } else {
+            map.irradiance(at.point.p, at.ng, radius, |_| true)
+        };
         at.reflectance * irradiance * FRAC_1_PI
     }
 
@@ -131,12 +161,17 @@ impl Gather<'_> {
         // Footprints are wide after a diffuse bounce, whatever they were.
         let mut width = self.footprint.width + self.footprint.spread * path.length;
         loop {
-            let Some(dir) = bounce_direction(&at, stream) else { return sum };
+            let Some(dir) = bounce_direction(&at, stream) else {
+                return sum;
+            };
             let before = path.length;
             path.ray = at.point.spawn(dir);
             let end = path.walk(&self.ctx, stream, 0, &mut |_, _| {});
             let (point, reflectance) = match end {
-                End::Surface { point, material: Material::Diffuse { reflectance } } => (point, reflectance),
+                End::Surface {
+                    point,
+                    material: Material::Diffuse { reflectance },
+                } => (point, reflectance),
                 End::Truncated => {
                     tally.truncated += 1;
                     return sum;
@@ -146,8 +181,8 @@ impl Gather<'_> {
             };
             width += DIFFUSE_SPREAD * (path.length - before);
             at = DiffusePoint::new(point, path.ray.dir, reflectance);
-            let found =
-                direct_light(&self.ctx, &at, stream, SHADOW_RAYS[1]) + self.caustic(&at, width, tally);
+            let found = direct_light(&self.ctx, &at, stream, SHADOW_RAYS[1])
+                + self.caustic(&at, width, tally);
             sum += path.throughput * found;
             path.throughput *= reflectance;
             bounces += 1;

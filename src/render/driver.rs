@@ -36,7 +36,12 @@ pub struct Job {
 impl Job {
     /// The job that the scene's file describes.
     pub fn of(scene: &Scene) -> Self {
-        Self { settings: scene.settings.clone(), resolution: scene.resolution, crop: None, time: None }
+        Self {
+            settings: scene.settings.clone(),
+            resolution: scene.resolution,
+            crop: None,
+            time: None,
+        }
     }
 }
 
@@ -83,10 +88,15 @@ pub fn run(
     on_progress: &mut dyn FnMut(&Progress) -> ControlFlow<()>,
 ) -> Outcome {
     let start = Instant::now();
-    let crop = job.crop.unwrap_or([0, 0, job.resolution[0], job.resolution[1]]);
+    let crop = job
+        .crop
+        .unwrap_or([0, 0, job.resolution[0], job.resolution[1]]);
     let renderer = Renderer::new(scene, &job.settings, job.resolution, crop);
     let mut film = Film::new(crop[2], crop[3], quantum(scene));
-    let mut totals = Totals { tally: Tally::new(scene.lights.len()), ..Totals::default() };
+    let mut totals = Totals {
+        tally: Tally::new(scene.lights.len()),
+        ..Totals::default()
+    };
     let mut done = 0;
     let mut interrupted = false;
     loop {
@@ -117,12 +127,18 @@ pub fn run(
         }
     }
     let report = report(scene, job, &renderer, &film, &totals, done, start.elapsed());
-    Outcome { film, report, interrupted }
+    Outcome {
+        film,
+        report,
+        interrupted,
+    }
 }
 
 /// The number of passes to run in all, as far as it is known now.
 fn passes_wanted(job: &Job, done: u32, elapsed: Duration) -> u32 {
-    let Some(limit) = job.time else { return job.settings.passes.max(1) };
+    let Some(limit) = job.time else {
+        return job.settings.passes.max(1);
+    };
     if elapsed >= limit {
         return done;
     }
@@ -134,7 +150,11 @@ fn passes_wanted(job: &Job, done: u32, elapsed: Duration) -> u32 {
 /// The film's unit: a typical radiance of the scene, from the lights' power
 /// spread over a sphere around what is bounded. A function of the scene alone.
 fn quantum(scene: &Scene) -> Quantum {
-    let radius = scene.world.bounds().map_or(1.0, |b| b.bounding_sphere().radius).max(f64::MIN_POSITIVE);
+    let radius = scene
+        .world
+        .bounds()
+        .map_or(1.0, |b| b.bounding_sphere().radius)
+        .max(f64::MIN_POSITIVE);
     let area = 4.0 * std::f64::consts::PI * radius * radius;
     let typical: f64 = scene
         .lights
@@ -191,9 +211,15 @@ fn report(
         caustics: renderer.emitter().is_some(),
         max_depth: job.settings.max_depth,
         camera_paths_truncated: totals.truncated,
-        flux_truncated: if launched > 0.0 { sum(|l| l.ledger.truncated) / launched } else { 0.0 },
+        flux_truncated: if launched > 0.0 {
+            sum(|l| l.ledger.truncated) / launched
+        } else {
+            0.0
+        },
         samples_refused: film.refused(),
-        noise: film.noise().map(|noise| relative_noise(&film.image(), &noise)),
+        noise: film
+            .noise()
+            .map(|noise| relative_noise(&film.image(), &noise)),
         seconds: elapsed.as_secs_f64(),
         lights,
     }

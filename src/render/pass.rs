@@ -57,12 +57,26 @@ pub struct PassOutput {
 impl<'a> Renderer<'a> {
     /// Prepares a render of the window `crop` (x, y, width, height in pixels)
     /// of a picture of the given resolution.
-    pub fn new(scene: &'a Scene, settings: &Settings, resolution: [u32; 2], crop: [u32; 4]) -> Self {
+    pub fn new(
+        scene: &'a Scene,
+        settings: &Settings,
+        resolution: [u32; 2],
+        crop: [u32; 4],
+    ) -> Self {
         let plan = Plan::new(scene, settings);
         let picker = LightPicker::new(scene);
-        let ctx = Context { scene, plan: &plan, picker: &picker, max_depth: settings.max_depth };
+        let ctx = Context {
+            scene,
+            plan: &plan,
+            picker: &picker,
+            max_depth: settings.max_depth,
+        };
         let emitter = Emitter::new(&ctx);
-        let photons = if emitter.is_some() { photon_paths(settings, crop) } else { 0 };
+        let photons = if emitter.is_some() {
+            photon_paths(settings, crop)
+        } else {
+            0
+        };
         Self {
             scene,
             settings: settings.clone(),
@@ -135,14 +149,28 @@ impl<'a> Renderer<'a> {
     /// The photon half of a pass.
     pub fn shoot(&self, round: u32, replicate: u32) -> Shot {
         let Some(emitter) = &self.emitter else {
-            return Shot { tally: Tally::new(self.scene.lights.len()), ..Shot::default() };
+            return Shot {
+                tally: Tally::new(self.scene.lights.len()),
+                ..Shot::default()
+            };
         };
         let sequence = Sequence::new(self.settings.seed, Purpose::Photon, replicate, 0);
-        shoot(&self.context(), emitter, sequence, u64::from(round) * self.photons, self.photons)
+        shoot(
+            &self.context(),
+            emitter,
+            sequence,
+            u64::from(round) * self.photons,
+            self.photons,
+        )
     }
 
     /// The camera half of a pass: one sample a pixel, rows in parallel.
-    fn gather(&self, gather: &Gather<'_>, round: u32, replicate: u32) -> (Vec<PixelSample>, CameraTally) {
+    fn gather(
+        &self,
+        gather: &Gather<'_>,
+        round: u32,
+        replicate: u32,
+    ) -> (Vec<PixelSample>, CameraTally) {
         let [x0, y0, width, height] = self.crop;
         let rows: Vec<(Vec<PixelSample>, CameraTally)> = (0..height)
             .into_par_iter()
@@ -181,8 +209,10 @@ impl<'a> Renderer<'a> {
 /// path stores at most one photon.
 fn photon_paths(settings: &Settings, crop: [u32; 4]) -> u64 {
     let pixels = u64::from(crop[2]) * u64::from(crop[3]);
-    let wanted = settings
-        .photons
-        .unwrap_or_else(|| (PHOTONS_PER_PIXEL * pixels).next_power_of_two().clamp(1 << 14, 1 << 23));
+    let wanted = settings.photons.unwrap_or_else(|| {
+        (PHOTONS_PER_PIXEL * pixels)
+            .next_power_of_two()
+            .clamp(1 << 14, 1 << 23)
+    });
     wanted.clamp(1, (settings.memory / BYTES_PER_PHOTON).max(1))
 }

@@ -77,7 +77,11 @@ impl fmt::Display for Report {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{} passes in {:.1} s", self.passes, self.seconds)?;
         if self.caustics {
-            write!(f, ", {} photons emitted, {} stored", self.photons_emitted, self.photons_stored)?;
+            write!(
+                f,
+                ", {} photons emitted, {} stored",
+                self.photons_emitted, self.photons_stored
+            )?;
         } else {
             write!(f, ", no caustics")?;
         }
@@ -85,7 +89,10 @@ impl fmt::Display for Report {
             write!(f, ", noise {:.2} %", 100.0 * noise)?;
         }
         if !self.indirect {
-            write!(f, "\nlight between diffuse surfaces is off or impossible: its layer is black")?;
+            write!(
+                f,
+                "\nlight between diffuse surfaces is off or impossible: its layer is black"
+            )?;
         }
         if self.flux_truncated > 0.0 || self.camera_paths_truncated > 0 {
             write!(

@@ -25,7 +25,9 @@ impl Schedule {
 
     /// Scale of round `k`.
     pub fn scale(&self, k: u32) -> f64 {
-        let squared: f64 = (1..=k).map(|j| (f64::from(j) - 1.0 + ALPHA) / f64::from(j)).product();
+        let squared: f64 = (1..=k)
+            .map(|j| (f64::from(j) - 1.0 + ALPHA) / f64::from(j))
+            .product();
         self.first * squared.sqrt()
     }
 }

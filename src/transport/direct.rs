@@ -31,8 +31,17 @@ impl DiffusePoint {
     /// The point as seen along direction `d`.
     pub fn new(point: SurfacePoint, d: DVec3, reflectance: Rgb) -> Self {
         let flip = point.ng.dot(d) > 0.0;
-        let (ng, ns) = if flip { (-point.ng, -point.ns) } else { (point.ng, point.ns) };
-        Self { point, ng, ns, reflectance }
+        let (ng, ns) = if flip {
+            (-point.ng, -point.ns)
+        } else {
+            (point.ng, point.ns)
+        };
+        Self {
+            point,
+            ng,
+            ns,
+            reflectance,
+        }
     }
 }
 
@@ -46,7 +55,10 @@ impl LightPicker {
     /// Lights are picked in proportion to their power; a sun counts with what
     /// falls on the bounded part of the scene.
     pub fn new(scene: &Scene) -> Self {
-        let radius = scene.world.bounds().map_or(1.0, |b| b.bounding_sphere().radius);
+        let radius = scene
+            .world
+            .bounds()
+            .map_or(1.0, |b| b.bounding_sphere().radius);
         let weights: Vec<f64> = scene
             .lights
             .iter()
@@ -56,7 +68,9 @@ impl LightPicker {
                 (_, None) => 0.0,
             })
             .collect();
-        Self { by_power: Discrete::new(&weights) }
+        Self {
+            by_power: Discrete::new(&weights),
+        }
     }
 }
 
@@ -85,7 +99,9 @@ pub fn direct_light(ctx: &Context<'_>, at: &DiffusePoint, stream: &mut Stream, r
 /// Reflected radiance of one source.
 fn from_light(ctx: &Context<'_>, at: &DiffusePoint, index: usize, u: [f64; 2]) -> Rgb {
     let light = &ctx.scene.lights[index];
-    let Some(sample) = light.light.sample_direct(at.point.p, u) else { return Rgb::BLACK };
+    let Some(sample) = light.light.sample_direct(at.point.p, u) else {
+        return Rgb::BLACK;
+    };
     let cos = sample.wi.dot(at.ns);
     if cos <= 0.0 || sample.wi.dot(at.ng) <= 0.0 {
         return Rgb::BLACK;

@@ -29,7 +29,10 @@ pub fn transmittance(
     if ctx.plan.straight_surfaces {
         return through_panes(ctx, ray, distance, body);
     }
-    let blocked = ctx.scene.world.occluded(&ray, distance, |i| Some(i) == body);
+    let blocked = ctx
+        .scene
+        .world
+        .occluded(&ray, distance, |i| Some(i) == body);
     if blocked { 0.0 } else { 1.0 }
 }
 
@@ -38,12 +41,16 @@ fn through_panes(ctx: &Context<'_>, mut ray: Ray, mut distance: f64, body: Optio
     let world = &ctx.scene.world;
     let mut transmittance = 1.0;
     for _ in 0..=ctx.max_depth {
-        let Some(hit) = world.closest(&ray, distance) else { return transmittance };
+        let Some(hit) = world.closest(&ray, distance) else {
+            return transmittance;
+        };
         if Some(hit.surface.instance) == body {
             return transmittance;
         }
         let material = &ctx.scene.object(hit.surface).material;
-        let Material::Dielectric { ior, thin } = *material else { return 0.0 };
+        let Material::Dielectric { ior, thin } = *material else {
+            return 0.0;
+        };
         if !material.is_straight() {
             return 0.0;
         }

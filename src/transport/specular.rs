@@ -64,11 +64,20 @@ impl Lobes {
 
 /// The lobes of a specular material at `point` for light or sight travelling
 /// in unit direction `d`. `None` if the material is not specular.
-pub fn lobes(material: &Material, point: &SurfacePoint, d: DVec3, carried: Carried) -> Option<Lobes> {
+pub fn lobes(
+    material: &Material,
+    point: &SurfacePoint,
+    d: DVec3,
+    carried: Carried,
+) -> Option<Lobes> {
     match *material {
-        Material::Mirror { reflectance } => Some(Lobes::One(mirror(point, d, reflectance, carried))),
+        Material::Mirror { reflectance } => {
+            Some(Lobes::One(mirror(point, d, reflectance, carried)))
+        }
         Material::Dielectric { ior, thin: true } => Some(pane(point, d, ior)),
-        Material::Dielectric { ior, thin: false } if ior == 1.0 => Some(Lobes::One(straight(d, 1.0))),
+        Material::Dielectric { ior, thin: false } if ior == 1.0 => {
+            Some(Lobes::One(straight(d, 1.0)))
+        }
         Material::Dielectric { ior, thin: false } => Some(interface(point, d, ior, carried)),
         Material::Diffuse { .. } | Material::Black => None,
     }
@@ -77,7 +86,11 @@ pub fn lobes(material: &Material, point: &SurfacePoint, d: DVec3, carried: Carri
 /// The geometric and the shading normal on the side from which `d` comes. A
 /// shading normal that faces away from `d` is replaced by the geometric one.
 fn facing(point: &SurfacePoint, d: DVec3) -> (DVec3, DVec3) {
-    let (ng, ns) = if point.ng.dot(d) > 0.0 { (-point.ng, -point.ns) } else { (point.ng, point.ns) };
+    let (ng, ns) = if point.ng.dot(d) > 0.0 {
+        (-point.ng, -point.ns)
+    } else {
+        (point.ng, point.ns)
+    };
     if ns.dot(d) < 0.0 { (ng, ns) } else { (ng, ng) }
 }
 
@@ -93,7 +106,13 @@ fn shading_factor(ng: DVec3, ns: DVec3, d: DVec3, w: DVec3, carried: Carried) ->
 }
 
 fn straight(d: DVec3, share: f64) -> Lobe {
-    Lobe { dir: d, share, weight: Rgb::WHITE, shading: 1.0, bent: false }
+    Lobe {
+        dir: d,
+        share,
+        weight: Rgb::WHITE,
+        shading: 1.0,
+        bent: false,
+    }
 }
 
 /// A reflected lobe; where the shading normal would send it into the surface,
@@ -105,13 +124,22 @@ fn reflected(ng: DVec3, ns: DVec3, d: DVec3, carried: Carried) -> Lobe {
     } else {
         (optics::reflect(d, ng), 1.0)
     };
-    Lobe { dir: w, share: 1.0, weight: Rgb::grey(shading), shading, bent: true }
+    Lobe {
+        dir: w,
+        share: 1.0,
+        weight: Rgb::grey(shading),
+        shading,
+        bent: true,
+    }
 }
 
 fn mirror(point: &SurfacePoint, d: DVec3, reflectance: Rgb, carried: Carried) -> Lobe {
     let (ng, ns) = facing(point, d);
     let lobe = reflected(ng, ns, d, carried);
-    Lobe { weight: lobe.weight * reflectance, ..lobe }
+    Lobe {
+        weight: lobe.weight * reflectance,
+        ..lobe
+    }
 }
 
 fn pane(point: &SurfacePoint, d: DVec3, ior: f64) -> Lobes {
@@ -126,16 +154,31 @@ fn pane(point: &SurfacePoint, d: DVec3, ior: f64) -> Lobes {
     if t <= 0.0 {
         return Lobes::One(mirror);
     }
-    Lobes::Two(Lobe { share: 1.0 - t, ..mirror }, straight(d, t))
+    Lobes::Two(
+        Lobe {
+            share: 1.0 - t,
+            ..mirror
+        },
+        straight(d, t),
+    )
 }
 
 fn interface(point: &SurfacePoint, d: DVec3, ior: f64, carried: Carried) -> Lobes {
     let (ng, mut ns) = facing(point, d);
-    let eta = if point.ng.dot(d) < 0.0 { ior } else { 1.0 / ior };
+    let eta = if point.ng.dot(d) < 0.0 {
+        ior
+    } else {
+        1.0 / ior
+    };
     // At most twice: once about the shading normal, and if that would refract
     // to the near side, about the geometric one.
     loop {
-        let Interface::Partial { cos_t, reflectance, transmittance } = optics::fresnel(-d.dot(ns), eta) else {
+        let Interface::Partial {
+            cos_t,
+            reflectance,
+            transmittance,
+        } = optics::fresnel(-d.dot(ns), eta)
+        else {
             return Lobes::One(reflected(ng, ns, d, carried));
         };
         let w = optics::refract(d, ns, eta, cos_t);
@@ -144,10 +187,25 @@ fn interface(point: &SurfacePoint, d: DVec3, ior: f64, carried: Carried) -> Lobe
             continue;
         }
         let shading = shading_factor(ng, ns, d, w, carried);
-        let scale = if carried == Carried::Radiance { 1.0 / (eta * eta) } else { shading };
-        let refracted =
-            Lobe { dir: w, share: transmittance, weight: Rgb::grey(scale), shading, bent: true };
+        let scale = if carried == Carried::Radiance {
+            1.0 / (eta * eta)
+        } else {
+            shading
+        };
+        let refracted = Lobe {
+            dir: w,
+            share: transmittance,
+            weight: Rgb::grey(scale),
+            shading,
+            bent: true,
+        };
         let mirror = reflected(ng, ns, d, carried);
-        return Lobes::Two(Lobe { share: reflectance, ..mirror }, refracted);
+        return Lobes::Two(
+            Lobe {
+                share: reflectance,
+                ..mirror
+            },
+            refracted,
+        );
     }
 }

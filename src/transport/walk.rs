@@ -42,7 +42,12 @@ pub struct Walker {
 impl Walker {
     /// A path that starts with `ray`.
     pub fn new(ray: Ray) -> Self {
-        Self { ray, throughput: Rgb::WHITE, length: 0.0, depth: 0 }
+        Self {
+            ray,
+            throughput: Rgb::WHITE,
+            length: 0.0,
+            depth: 0,
+        }
     }
 
     /// Follows mirrors, glass and panes to an end. At the first `splits`
@@ -58,7 +63,9 @@ impl Walker {
     ) -> End {
         let mut splits = splits;
         loop {
-            let Some(hit) = ctx.scene.world.closest(&self.ray, f64::INFINITY) else { return End::Escaped };
+            let Some(hit) = ctx.scene.world.closest(&self.ray, f64::INFINITY) else {
+                return End::Escaped;
+            };
             let point = self.arrive(ctx, &hit);
             let material = ctx.scene.object(hit.surface).material;
             let Some(lobes) = lobes(&material, &point, self.ray.dir, Carried::Radiance) else {

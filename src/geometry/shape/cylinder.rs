@@ -107,8 +107,16 @@ impl Cylinder {
         if self.capped {
             let (near, far) = side?;
             let ((enter, first), (exit, last)) = self.slab_interval(oz, dz, leaving)?;
-            let (enter, first) = if near > enter { (near, SIDE) } else { (enter, first) };
-            let (exit, last) = if far < exit { (far, SIDE) } else { (exit, last) };
+            let (enter, first) = if near > enter {
+                (near, SIDE)
+            } else {
+                (enter, first)
+            };
+            let (exit, last) = if far < exit {
+                (far, SIDE)
+            } else {
+                (exit, last)
+            };
             if enter > exit {
                 return None;
             }
@@ -184,7 +192,11 @@ impl Cylinder {
                 (out * self.radius, z, ng.normalize())
             }
         };
-        let terms = [self.across[0] * flat.x, self.across[1] * flat.y, self.axis * z];
+        let terms = [
+            self.across[0] * flat.x,
+            self.across[1] * flat.y,
+            self.axis * z,
+        ];
         let p = self.base + (terms[0] + terms[1] + terms[2]);
         ShapePoint {
             p,

@@ -24,8 +24,8 @@ pub use disc::Disc;
 pub use plane::Plane;
 pub use quad::Quad;
 pub use sphere::Sphere;
-pub(super) use triangle::{point_at, triangle_normal};
 pub use triangle::{ShearedRay, Triangle};
+pub(super) use triangle::{point_at, triangle_normal};
 
 use super::{Aabb, BoundingSphere, Transform, TriangleMesh};
 

@@ -57,7 +57,13 @@ impl Sphere {
             // sum of both.
             return accept(-2.0 * h / a);
         }
-        let (near, far) = crossings(a, h, (from - dir * (h / a)).length(), from.length(), self.radius)?;
+        let (near, far) = crossings(
+            a,
+            h,
+            (from - dir * (h / a)).length(),
+            from.length(),
+            self.radius,
+        )?;
         accept(near).or_else(|| accept(far))
     }
 

@@ -215,7 +215,9 @@ impl ShearedRay {
             return None;
         }
         let extent = [x, y, a[2].abs().max(b[2].abs()).max(c[2].abs())];
-        let nearest = (a[2] * self.scale).min(b[2] * self.scale).min(c[2] * self.scale);
+        let nearest = (a[2] * self.scale)
+            .min(b[2] * self.scale)
+            .min(c[2] * self.scale);
         if nearest <= 0.0 && z.abs() <= depth_error(extent, inverse) {
             return None;
         }
