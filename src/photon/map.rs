@@ -39,6 +39,15 @@ struct Stored {
     normal: u32,
 }
 
+/// The answer to a density query.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Gathered {
+    /// Irradiance in W/m2.
+    pub irradiance: Rgb,
+    /// Photons looked at: the work done.
+    pub visited: u32,
+}
+
 /// The photons of one pass, ready to be asked.
 pub struct PhotonMap {
     tree: Option<Tree>,
@@ -119,23 +128,25 @@ impl PhotonMap {
     /// Epanechnikov kernel `2/pi (1 - d^2/r^2) / r^2` over the distance `d` in
     /// the tangent plane, `r` in metres above 0. `keep` may refuse a photon by
     /// its position: where a wall stands between.
-    pub fn irradiance(&self, p: DVec3, n: DVec3, r: f64, keep: impl Fn(DVec3) -> bool) -> Rgb {
+    pub fn irradiance(&self, p: DVec3, n: DVec3, r: f64, keep: impl Fn(DVec3) -> bool) -> Gathered {
         let Some(tree) = &self.tree else {
-            return Rgb::BLACK;
+            return Gathered::default();
         };
         let query = (self.rotation * (p - self.center)).as_vec3();
         let normal = (self.rotation * n).as_vec3();
         let radius = r as f32;
         let r2 = radius * radius;
         if !(r2 > 0.0 && r2.is_finite() && query.is_finite()) {
-            return Rgb::BLACK;
+            return Gathered::default();
         }
         let mut sum = [0.0f64; 3];
+        let mut visited = 0;
         tree.query(&query.to_array())
             .within::<SquaredEuclidean<f32>>(r2)
             .unsorted()
             .visit(|hit| {
                 let i = hit.item as usize;
+                visited += 1;
                 let offset = Vec3::from(self.positions[i]) - query;
                 let height = offset.dot(normal);
                 let stored = &self.stored[i];
@@ -154,7 +165,10 @@ impl PhotonMap {
                     *s += k * f64::from(f);
                 }
             });
-        Rgb(sum) * (FRAC_2_PI * self.per_path / (r * r))
+        Gathered {
+            irradiance: Rgb(sum) * (FRAC_2_PI * self.per_path / (r * r)),
+            visited,
+        }
     }
 }
 
@@ -244,7 +258,7 @@ mod tests {
                 }
             }
             let expected = sum * FRAC_2_PI / (r * r) / 20_000.0;
-            let got = map.irradiance(p, DVec3::Z, r, |_| true);
+            let got = map.irradiance(p, DVec3::Z, r, |_| true).irradiance;
             assert!(
                 (got[0] - expected).abs() < 2e-4 * expected.max(1e-3),
                 "{} against {expected}",
@@ -269,7 +283,7 @@ mod tests {
                 .map(|i| {
                     let [a, b] = seq.at(i).next_2d();
                     let p = DVec3::new(a - 0.5, b - 0.5, 0.0);
-                    map.irradiance(p, DVec3::Z, r, |_| true)[0]
+                    map.irradiance(p, DVec3::Z, r, |_| true).irradiance[0]
                 })
                 .sum::<f64>()
                 / n as f64;
@@ -289,19 +303,26 @@ mod tests {
     #[test]
     fn the_other_side_and_other_faces_get_nothing() {
         let map = PhotonMap::new(&floor_photons(10_000, 1.0, |_| 0.0), 10_000);
-        assert!(map.irradiance(DVec3::ZERO, DVec3::Z, 0.1, |_| true)[0] > 0.0);
+        assert!(
+            map.irradiance(DVec3::ZERO, DVec3::Z, 0.1, |_| true)
+                .irradiance[0]
+                > 0.0
+        );
         assert!(
             map.irradiance(DVec3::ZERO, DVec3::NEG_Z, 0.1, |_| true)
+                .irradiance
                 .is_black(),
             "back side"
         );
         assert!(
             map.irradiance(DVec3::ZERO, DVec3::X, 0.1, |_| true)
+                .irradiance
                 .is_black(),
             "a wall on the floor"
         );
         assert!(
             map.irradiance(DVec3::new(0.0, 0.0, 0.08), DVec3::Z, 0.1, |_| true)
+                .irradiance
                 .is_black(),
             "a shelf above"
         );
@@ -317,11 +338,14 @@ mod tests {
         assert!(
             PhotonMap::new(&[], 10)
                 .irradiance(DVec3::ZERO, DVec3::Z, 1.0, |_| true)
+                .irradiance
                 .is_black()
         );
         let same = vec![one(DVec3::splat(3.0)); 5000];
         let map = PhotonMap::new(&same, 5000);
-        let at = map.irradiance(DVec3::splat(3.0), DVec3::Z, 0.5, |_| true)[0];
+        let at = map
+            .irradiance(DVec3::splat(3.0), DVec3::Z, 0.5, |_| true)
+            .irradiance[0];
         assert!(
             (at - FRAC_2_PI / 0.25).abs() < 1e-9,
             "5000 coincident photons: {at}"
@@ -335,6 +359,7 @@ mod tests {
         assert_eq!((map.len(), map.refused()), (1, 2));
         assert!(
             map.irradiance(DVec3::ZERO, DVec3::Z, f64::NAN, |_| true)
+                .irradiance
                 .is_black()
         );
     }

@@ -18,7 +18,7 @@ mod trace;
 
 pub use aim::Aim;
 pub use emit::{Emission, Emitter};
-pub use map::{BYTES_PER_PHOTON, PhotonMap};
+pub use map::{BYTES_PER_PHOTON, Gathered, PhotonMap};
 pub use shoot::{Shot, shoot};
 pub use tally::{LightTally, Tally};
 pub use trace::{Photon, trace};

@@ -51,6 +51,7 @@ pub(super) struct Gather<'a> {
 pub(super) struct CameraTally {
     pub(super) truncated: u64,
     pub(super) queries: u64,
+    pub(super) visited: u64,
 }
 
 impl Gather<'_> {
@@ -132,7 +133,7 @@ impl Gather<'_> {
         let radius = self.scale * width;
         let instance = at.point.surface.instance;
         let world = &self.ctx.scene.world;
-        let irradiance = if world.is_crowded(at.point.p, radius, instance) {
+        let found = if world.is_crowded(at.point.p, radius, instance) {
             // Light on the far side of a wall does not reach this point.
             let ignore =
                 |i: u32| i == instance || self.ctx.scene.objects[i as usize].material.is_straight();
@@ -144,7 +145,8 @@ impl Gather<'_> {
         } else {
             map.irradiance(at.point.p, at.ng, radius, |_| true)
         };
-        at.reflectance * irradiance * FRAC_1_PI
+        tally.visited += u64::from(found.visited);
+        at.reflectance * found.irradiance * FRAC_1_PI
     }
 
     /// Light from further diffuse surfaces, by path tracing; `path` has just

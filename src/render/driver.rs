@@ -77,6 +77,7 @@ struct Totals {
     photons_refused: u64,
     truncated: u64,
     queries: u64,
+    visited: u64,
     tally: Tally,
 }
 
@@ -107,6 +108,7 @@ pub fn run(
         totals.photons_refused += pass.refused;
         totals.truncated += pass.truncated;
         totals.queries += pass.queries;
+        totals.visited += pass.visited;
         totals.tally.merge(&pass.tally);
         done += 1;
         let elapsed = start.elapsed();
@@ -206,6 +208,8 @@ fn report(
         photons_stored: totals.stored,
         photons_refused: totals.photons_refused,
         queries: totals.queries,
+        visited: totals.visited,
+        photons_per_pass: renderer.photons(),
         radius: [renderer.scale(0), renderer.scale(last_round)],
         indirect: renderer.plan().indirect,
         caustics: renderer.emitter().is_some(),

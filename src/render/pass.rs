@@ -18,8 +18,21 @@ use super::{
     schedule::{REPLICATES, Schedule},
 };
 
-/// Photon paths per pixel and pass, where the user does not say.
+/// Photon paths per pixel and pass, where the user does not say: tracing them
+/// then costs about as much as the camera paths.
 const PHOTONS_PER_PIXEL: u64 = 2;
+
+/// Photons that the queries of one camera sample may look at on average: the
+/// looking then costs about as much as the rest of the sample. Where light is
+/// concentrated, fewer photons a pass do, and more passes follow.
+const VISITS_PER_SAMPLE: f64 = 64.0;
+
+/// Photon paths and camera samples of the pilot that counts those visits.
+const PILOT_PHOTONS: u64 = 1 << 14;
+const PILOT_SAMPLES: u32 = 1 << 10;
+
+/// Fewest photon paths of a pass.
+const FEWEST_PHOTONS: u64 = 1 << 12;
 
 /// Everything that passes of one render share.
 pub struct Renderer<'a> {
@@ -52,6 +65,8 @@ pub struct PassOutput {
     pub truncated: u64,
     /// Questions asked of the photon map.
     pub queries: u64,
+    /// Photons looked at to answer them.
+    pub visited: u64,
 }
 
 impl<'a> Renderer<'a> {
@@ -72,12 +87,7 @@ impl<'a> Renderer<'a> {
             max_depth: settings.max_depth,
         };
         let emitter = Emitter::new(&ctx);
-        let photons = if emitter.is_some() {
-            photon_paths(settings, crop)
-        } else {
-            0
-        };
-        Self {
+        let mut renderer = Self {
             scene,
             settings: settings.clone(),
             picker,
@@ -86,9 +96,13 @@ impl<'a> Renderer<'a> {
             resolution,
             camera: scene.camera.with_resolution(resolution),
             crop,
-            photons,
+            photons: 0,
             plan,
+        };
+        if renderer.emitter.is_some() {
+            renderer.photons = renderer.photon_paths();
         }
+        renderer
     }
 
     /// What is simulated.
@@ -128,12 +142,7 @@ impl<'a> Renderer<'a> {
         let map = (shot.emitted > 0).then(|| PhotonMap::new(&shot.photons, shot.emitted));
         let stored = shot.photons.len() as u64;
         drop(shot.photons);
-        let gather = Gather {
-            ctx: self.context(),
-            map: map.as_ref(),
-            scale: self.schedule.scale(round),
-            footprint: self.camera.pixel_footprint(),
-        };
+        let gather = self.gatherer(map.as_ref(), round);
         let (samples, camera) = self.gather(&gather, round, replicate);
         PassOutput {
             samples,
@@ -143,6 +152,7 @@ impl<'a> Renderer<'a> {
             tally: shot.tally,
             truncated: camera.truncated,
             queries: camera.queries,
+            visited: camera.visited,
         }
     }
 
@@ -162,6 +172,56 @@ impl<'a> Renderer<'a> {
             u64::from(round) * self.photons,
             self.photons,
         )
+    }
+
+    /// Photon paths of a pass: what the user says, or a power of two near the
+    /// number of pixels, less where the pilot finds light concentrated; never
+    /// more than the memory budget holds, since every path stores at most one
+    /// photon.
+    fn photon_paths(&self) -> u64 {
+        let wanted = self.settings.photons.unwrap_or_else(|| {
+            let pixels = u64::from(self.crop[2]) * u64::from(self.crop[3]);
+            let most = (PHOTONS_PER_PIXEL * pixels)
+                .next_power_of_two()
+                .clamp(1 << 14, 1 << 23);
+            let affordable = PILOT_PHOTONS as f64 * VISITS_PER_SAMPLE / self.pilot_visits();
+            // `as` saturates where the pilot visited nothing.
+            let affordable = 1u64 << (affordable as u64).max(1).ilog2();
+            affordable.clamp(FEWEST_PHOTONS, most)
+        });
+        wanted.clamp(1, (self.settings.memory / BYTES_PER_PHOTON).max(1))
+    }
+
+    /// Photons looked at per camera sample when the pilot's photons are in
+    /// the map.
+    fn pilot_visits(&self) -> f64 {
+        let Some(emitter) = &self.emitter else {
+            return 0.0;
+        };
+        let photons = Sequence::new(self.settings.seed, Purpose::Pilot, 2, 0);
+        let shot = shoot(&self.context(), emitter, photons, 0, PILOT_PHOTONS);
+        let map = PhotonMap::new(&shot.photons, shot.emitted);
+        let gather = self.gatherer(Some(&map), 0);
+        let camera = Sequence::new(self.settings.seed, Purpose::Pilot, 3, 0);
+        let [x0, y0, width, height] = self.crop.map(f64::from);
+        let mut tally = CameraTally::default();
+        for i in 0..PILOT_SAMPLES {
+            let mut stream = camera.at(u64::from(i));
+            let [u, v] = stream.next_2d();
+            let film = DVec2::new(x0 + u * width, y0 + v * height);
+            gather.sample(self.camera.ray(film), &mut stream, &mut tally);
+        }
+        tally.visited as f64 / f64::from(PILOT_SAMPLES)
+    }
+
+    /// What camera samples of a round may ask.
+    fn gatherer<'b>(&'b self, map: Option<&'b PhotonMap>, round: u32) -> Gather<'b> {
+        Gather {
+            ctx: self.context(),
+            map,
+            scale: self.schedule.scale(round),
+            footprint: self.camera.pixel_footprint(),
+        }
     }
 
     /// The camera half of a pass: one sample a pixel, rows in parallel.
@@ -199,20 +259,8 @@ impl<'a> Renderer<'a> {
             samples.extend_from_slice(&row);
             tally.truncated += t.truncated;
             tally.queries += t.queries;
+            tally.visited += t.visited;
         }
         (samples, tally)
     }
-}
-
-/// Photon paths of a pass: what the user says, or a power of two near the
-/// number of pixels; never more than the memory budget holds, since every
-/// path stores at most one photon.
-fn photon_paths(settings: &Settings, crop: [u32; 4]) -> u64 {
-    let pixels = u64::from(crop[2]) * u64::from(crop[3]);
-    let wanted = settings.photons.unwrap_or_else(|| {
-        (PHOTONS_PER_PIXEL * pixels)
-            .next_power_of_two()
-            .clamp(1 << 14, 1 << 23)
-    });
-    wanted.clamp(1, (settings.memory / BYTES_PER_PHOTON).max(1))
 }
