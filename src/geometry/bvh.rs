@@ -1,0 +1,397 @@
+//! The bounding volume hierarchy: over the triangles of a mesh, and over the
+//! instances of a world.
+//!
+//! The tree is built by the `obvhs` crate (parallel locally-ordered
+//! clustering, then reinsertion) and folded into nodes of [`WIDTH`] children,
+//! which are tested together. Boxes are `f32` in *node space*: relative to
+//! the centre of the whole and scaled by a power of two, so that the whole
+//! fits into `[-1, 1]` whatever its size and place.
+//!
+//! No hit is lost to `f32`. A ray from outside is first advanced, in `f64`,
+//! to where it enters the whole. From there every quantity of the slab test
+//! is of order one, and its rounding errors act like a shift of the box's
+//! faces (T. Ize, *Robust BVH Ray Traversal*, JCGT 2(2), 2013): origin 1,
+//! difference 2, direction, reciprocal and product 2 each, in units of 2^-24;
+//! 12 of them are added to every box, the rest being for the advance. Leaves
+//! are tested in `f64` by the caller.
+
+use std::ops::Range;
+
+use glam::{DVec3, Vec3A};
+use obvhs::{
+    BvhBuildParams,
+    bvh2::{Bvh2, builder::build_bvh2},
+};
+
+use super::{Aabb, transform::power_of_two_near};
+use crate::numeric::{
+    bounds::{round_down_f32, round_up_f32},
+    gamma,
+};
+
+/// Children per node.
+pub const WIDTH: usize = 8;
+
+/// The largest number of primitives in one tree, 2^28.
+pub const MAX_PRIMITIVES: usize = FIRST as usize + 1;
+
+/// By how much boxes grow in node space; derived in the module's text.
+const GROWTH: f64 = 12.0 / 16_777_216.0;
+
+/// A child reference: either the index of a node, or the flag, the number of
+/// primitives less one, and the first primitive's slot.
+const LEAF: u32 = 1 << 31;
+const COUNT_SHIFT: u32 = 28;
+const FIRST: u32 = (1 << COUNT_SHIFT) - 1;
+const MAX_PER_LEAF: u32 = 8;
+
+/// Stack entries that fit without allocation; deeper trees, which only
+/// pathological scenes give, allocate.
+const STACK: usize = 96;
+
+/// Up to [`WIDTH`] boxes; those not used can't be hit.
+#[derive(Clone, Debug)]
+#[repr(align(64))]
+struct Node {
+    /// Lower and upper faces along x, then y, then z.
+    faces: [[f32; WIDTH]; 6],
+    children: [u32; WIDTH],
+}
+
+impl Node {
+    const EMPTY: Self = Self {
+        faces: [
+            [f32::INFINITY; WIDTH],
+            [f32::NEG_INFINITY; WIDTH],
+            [f32::INFINITY; WIDTH],
+            [f32::NEG_INFINITY; WIDTH],
+            [f32::INFINITY; WIDTH],
+            [f32::NEG_INFINITY; WIDTH],
+        ],
+        children: [0; WIDTH],
+    };
+
+    fn set(&mut self, lane: usize, aabb: &obvhs::aabb::Aabb, child: u32) {
+        for axis in 0..3 {
+            self.faces[2 * axis][lane] = aabb.min[axis];
+            self.faces[2 * axis + 1][lane] = aabb.max[axis];
+        }
+        self.children[lane] = child;
+    }
+}
+
+/// A tree over primitives that the caller keeps, in the order of their slots.
+#[derive(Clone, Debug)]
+pub struct Bvh {
+    nodes: Vec<Node>,
+    space: NodeSpace,
+    /// The most stack entries that any ray can need.
+    stack_need: usize,
+}
+
+/// The map from the caller's coordinates to the boxes'.
+#[derive(Clone, Copy, Debug)]
+struct NodeSpace {
+    center: DVec3,
+    /// A power of two, so that scaling is exact.
+    scale: f64,
+    /// Half the size of the whole, grown, in node space.
+    half: DVec3,
+}
+
+/// A ray in node space, at the point where it enters the whole.
+struct NodeRay {
+    origin: [f32; 3],
+    inverse: [f32; 3],
+    /// For each axis the faces met first and last.
+    near: [usize; 3],
+    far: [usize; 3],
+    /// Node-space length per unit of the caller's `t`.
+    per_t: f64,
+    /// Node-space length already behind the ray.
+    advanced: f64,
+}
+
+impl NodeRay {
+    /// The caller's `t` as a length from the point of entry, not below the
+    /// true value.
+    #[inline]
+    fn limit(&self, t: f64) -> f32 {
+        round_up_f32(t * self.per_t * (1.0 + gamma(4)) - self.advanced)
+    }
+}
+
+#[derive(Clone, Copy, Default)]
+struct Entry {
+    t: f32,
+    child: u32,
+}
+
+impl Bvh {
+    /// Builds the tree over `count` primitives with the given finite boxes.
+    /// Returns it with the primitive of each slot: the caller stores them in
+    /// that order, and traversal speaks of slots.
+    ///
+    /// `per_leaf` is the largest number of primitives tested together, at
+    /// most 8: more where their test is cheap.
+    ///
+    /// # Panics
+    ///
+    /// If `count` exceeds [`MAX_PRIMITIVES`].
+    pub fn build(count: usize, per_leaf: u32, bounds: impl Fn(usize) -> Aabb) -> (Self, Vec<u32>) {
+        assert!(count <= MAX_PRIMITIVES, "too many primitives for one tree");
+        let whole = (0..count).fold(Aabb::EMPTY, |b, i| b.union(bounds(i)));
+        let space = NodeSpace::around(&whole);
+        if count == 0 {
+            return (Self { nodes: Vec::new(), space, stack_need: 0 }, Vec::new());
+        }
+        let boxes: Vec<_> = (0..count).map(|i| space.aabb(&bounds(i))).collect();
+        let params = BvhBuildParams {
+            max_prims_per_leaf: per_leaf.clamp(1, MAX_PER_LEAF),
+            ..BvhBuildParams::medium_build()
+        };
+        let binary = build_bvh2(&boxes, params, &mut std::time::Duration::default());
+        drop(boxes);
+        let (nodes, order) = fold(&binary);
+        let stack_need = stack_need(&nodes);
+        (Self { nodes, space, stack_need }, order)
+    }
+
+    /// Visits leaves in roughly ascending distance. `leaf` gets a range of
+    /// slots and the smallest `t` found so far (at first `t_max`), and
+    /// returns the smaller of that and what it finds. The result is the last
+    /// value returned.
+    #[inline]
+    pub fn closest(
+        &self,
+        origin: DVec3,
+        dir: DVec3,
+        t_max: f64,
+        leaf: impl FnMut(Range<usize>, f64) -> f64,
+    ) -> f64 {
+        let Some(ray) = self.space.enter(origin, dir, t_max) else {
+            return t_max;
+        };
+        if self.stack_need <= STACK {
+            self.walk(&ray, &mut [Entry::default(); STACK], t_max, leaf)
+        } else {
+            self.walk(&ray, &mut vec![Entry::default(); self.stack_need], t_max, leaf)
+        }
+    }
+
+    /// True if `leaf` says so for any range of slots whose box the ray meets
+    /// before `t_max`.
+    #[inline]
+    pub fn any(
+        &self,
+        origin: DVec3,
+        dir: DVec3,
+        t_max: f64,
+        mut leaf: impl FnMut(Range<usize>) -> bool,
+    ) -> bool {
+        // A negative `t` ends the walk: no box begins before it.
+        let found = self.closest(origin, dir, t_max, |slots, t| if leaf(slots) { -1.0 } else { t });
+        found < 0.0
+    }
+
+    #[inline]
+    fn walk(
+        &self,
+        ray: &NodeRay,
+        stack: &mut [Entry],
+        mut t_best: f64,
+        mut leaf: impl FnMut(Range<usize>, f64) -> f64,
+    ) -> f64 {
+        let mut limit = ray.limit(t_best);
+        let mut len = 0;
+        let mut current = 0;
+        loop {
+            if let Some(node) = self.nodes.get(current as usize) {
+                len = push_hits(node, ray, limit, stack, len);
+            }
+            current = loop {
+                if len == 0 {
+                    return t_best;
+                }
+                len -= 1;
+                let Entry { t, child } = stack[len];
+                if t > limit {
+                    continue;
+                }
+                if child & LEAF == 0 {
+                    break child;
+                }
+                let first = (child & FIRST) as usize;
+                let count = (child >> COUNT_SHIFT & 7) as usize + 1;
+                let t = leaf(first..first + count, t_best);
+                if t < t_best {
+                    t_best = t;
+                    if t < 0.0 {
+                        return t;
+                    }
+                    limit = ray.limit(t);
+                }
+            };
+        }
+    }
+}
+
+/// Tests a node's boxes and puts those that are met on the stack, nearest on
+/// top. Returns the stack's new length.
+#[inline]
+fn push_hits(node: &Node, ray: &NodeRay, limit: f32, stack: &mut [Entry], mut len: usize) -> usize {
+    let mut near = [0.0f32; WIDTH];
+    let mut far = [limit; WIDTH];
+    for axis in 0..3 {
+        let first = &node.faces[ray.near[axis]];
+        let last = &node.faces[ray.far[axis]];
+        for lane in 0..WIDTH {
+            let enter = (first[lane] - ray.origin[axis]) * ray.inverse[axis];
+            let exit = (last[lane] - ray.origin[axis]) * ray.inverse[axis];
+            near[lane] = if enter > near[lane] { enter } else { near[lane] };
+            far[lane] = if exit < far[lane] { exit } else { far[lane] };
+        }
+    }
+    let base = len;
+    for lane in 0..WIDTH {
+        if near[lane] <= far[lane] {
+            let entry = Entry { t: near[lane], child: node.children[lane] };
+            let mut at = len;
+            while at > base && stack[at - 1].t < entry.t {
+                stack[at] = stack[at - 1];
+                at -= 1;
+            }
+            stack[at] = entry;
+            len += 1;
+        }
+    }
+    len
+}
+
+impl NodeSpace {
+    fn around(whole: &Aabb) -> Self {
+        if whole.is_empty() {
+            return Self { center: DVec3::ZERO, scale: 1.0, half: DVec3::ZERO };
+        }
+        let center = whole.center();
+        // The farther faces, since the centre has been rounded.
+        let half = (whole.max - center).max(center - whole.min);
+        let scale = 0.5 / power_of_two_near(half.max_element());
+        let half = half * scale + DVec3::splat(2.0 * GROWTH);
+        Self { center, scale, half }
+    }
+
+    /// A box in node space, rounded outward and grown.
+    fn aabb(&self, b: &Aabb) -> obvhs::aabb::Aabb {
+        let lo = ((b.min - self.center) * self.scale - DVec3::splat(GROWTH)).to_array();
+        let hi = ((b.max - self.center) * self.scale + DVec3::splat(GROWTH)).to_array();
+        obvhs::aabb::Aabb::new(
+            Vec3A::from_array(lo.map(round_down_f32)),
+            Vec3A::from_array(hi.map(round_up_f32)),
+        )
+    }
+
+    /// The ray in node space from where it enters the whole; `None` if it
+    /// passes by, or does not exist (a direction of zero, a NaN).
+    #[inline]
+    fn enter(&self, origin: DVec3, dir: DVec3, t_max: f64) -> Option<NodeRay> {
+        let length = dir.abs().max_element();
+        let o = (origin - self.center) * self.scale;
+        let d = dir / length;
+        let (mut near, mut far) = (0.0f64, f64::INFINITY);
+        for axis in 0..3 {
+            let inverse = 1.0 / d[axis];
+            let half = self.half[axis].copysign(d[axis]);
+            let (enter, exit) = ((-half - o[axis]) * inverse, (half - o[axis]) * inverse);
+            // A NaN (zero times infinity, on a face) leaves both as they are.
+            near = if enter > near { enter } else { near };
+            far = if exit < far { exit } else { far };
+        }
+        let per_t = length * self.scale;
+        let far = far * (1.0 + 2.0 * gamma(3));
+        // Written so that a NaN anywhere fails it.
+        let meets = near <= far && near <= t_max * per_t * (1.0 + gamma(4));
+        if !(meets && d.is_finite() && o.is_finite()) {
+            return None;
+        }
+        let advanced = near * (1.0 - gamma(4));
+        let o = o + d * advanced;
+        Some(NodeRay {
+            origin: o.to_array().map(|x| x as f32),
+            inverse: d.to_array().map(inverse_f32),
+            near: std::array::from_fn(|i| 2 * i + usize::from(d[i].is_sign_negative())),
+            far: std::array::from_fn(|i| 2 * i + usize::from(d[i].is_sign_positive())),
+            per_t,
+            advanced,
+        })
+    }
+}
+
+/// The reciprocal of a direction's component. Components below 2^-60 of the
+/// largest count as that: over the size of the whole the ray then moves by
+/// far less than the boxes have grown, and no product can become NaN.
+#[inline]
+fn inverse_f32(d: f64) -> f32 {
+    const LARGEST: f32 = (1u64 << 60) as f32;
+    (1.0 / d as f32).clamp(-LARGEST, LARGEST)
+}
+
+/// Folds a binary tree into wide nodes, parents first, and lists the
+/// primitives in the order in which their leaves are met.
+fn fold(binary: &Bvh2) -> (Vec<Node>, Vec<u32>) {
+    let mut nodes = vec![Node::EMPTY];
+    let mut order = Vec::with_capacity(binary.primitive_indices.len());
+    let mut todo = vec![(0u32, 0usize)];
+    while let Some((from, to)) = todo.pop() {
+        for (lane, &child) in open(binary, from).iter().enumerate() {
+            let source = &binary.nodes[child as usize];
+            let reference = if source.is_leaf() {
+                let first = order.len() as u32;
+                let slots = source.first_index..source.first_index + source.prim_count;
+                order.extend(slots.map(|i| binary.primitive_indices[i as usize]));
+                LEAF | (source.prim_count - 1) << COUNT_SHIFT | first
+            } else {
+                nodes.push(Node::EMPTY);
+                todo.push((child, nodes.len() - 1));
+                (nodes.len() - 1) as u32
+            };
+            nodes[to].set(lane, source.aabb(), reference);
+        }
+    }
+    (nodes, order)
+}
+
+/// The descendants of a binary node that become the children of a wide one:
+/// the largest inner one is opened until there are enough.
+fn open(binary: &Bvh2, node: u32) -> Vec<u32> {
+    let mut children = vec![node];
+    while children.len() < WIDTH {
+        let area = |&i: &u32| binary.nodes[i as usize].aabb().half_area();
+        let largest = (0..children.len())
+            .filter(|&i| !binary.nodes[children[i] as usize].is_leaf())
+            .max_by(|&i, &j| area(&children[i]).total_cmp(&area(&children[j])));
+        let Some(i) = largest else { break };
+        let first = binary.nodes[children[i] as usize].first_index;
+        children[i] = first;
+        children.push(first + 1);
+    }
+    children
+}
+
+/// The most entries on the stack at once: a node replaces its own entry by
+/// one for each child. Children come after their parents.
+fn stack_need(nodes: &[Node]) -> usize {
+    let mut need = vec![0usize; nodes.len()];
+    for (i, node) in nodes.iter().enumerate().rev() {
+        let used = (0..WIDTH).filter(|&lane| node.faces[0][lane] <= node.faces[1][lane]);
+        let (mut count, mut below) = (0, 0);
+        for lane in used {
+            count += 1;
+            if node.children[lane] & LEAF == 0 {
+                below = below.max(need[node.children[lane] as usize]);
+            }
+        }
+        need[i] = count + below;
+    }
+    need[0]
+}

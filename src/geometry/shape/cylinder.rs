@@ -1,0 +1,227 @@
+//! The tube, open or capped.
+//!
+//! The side is a circle seen along the axis, treated like the sphere
+//! (Haines et al. 2019). A capped cylinder is the intersection of an infinite
+//! one with a slab, and a ray meets it where both of its intervals overlap:
+//! no ray can slip through between side and cap.
+
+use glam::{DVec2, DVec3};
+
+use super::{ShapeHit, ShapePoint, disc::circle_half_widths, sphere::crossings};
+use crate::{
+    geometry::{Aabb, BoundingSphere, transform::unit},
+    numeric::{Frame, gamma},
+};
+
+/// A circular cylinder; the normal of its side points away from the axis,
+/// those of its caps outward. Parts: side 0, base 1, top 2.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Cylinder {
+    base: DVec3,
+    /// Two directions across the axis, then the axis.
+    across: [DVec3; 2],
+    axis: DVec3,
+    length: f64,
+    radius: f64,
+    capped: bool,
+}
+
+const SIDE: u32 = 0;
+const BASE: u32 = 1;
+const TOP: u32 = 2;
+
+impl Cylinder {
+    /// A tube of a radius above zero between two distinct points on its
+    /// axis, in metres; with `capped` both ends are closed by discs.
+    pub fn new(base: DVec3, axis_end: DVec3, radius: f64, capped: bool) -> Self {
+        let frame = Frame::around(unit(axis_end - base));
+        Self {
+            base,
+            across: [frame.s, frame.t],
+            axis: frame.n,
+            length: (axis_end - base).length(),
+            radius,
+            capped,
+        }
+    }
+
+    /// True if discs close both ends.
+    pub fn is_capped(&self) -> bool {
+        self.capped
+    }
+
+    /// Centre of the base.
+    pub fn base(&self) -> DVec3 {
+        self.base
+    }
+
+    /// Unit direction from the base to the top.
+    pub fn axis(&self) -> DVec3 {
+        self.axis
+    }
+
+    /// Distance between the ends in metres.
+    pub fn length(&self) -> f64 {
+        self.length
+    }
+
+    /// Radius in metres.
+    pub fn radius(&self) -> f64 {
+        self.radius
+    }
+
+    /// A vector as its part across the axis and its part along it.
+    #[inline]
+    fn split(&self, v: DVec3) -> (DVec2, f64) {
+        (
+            DVec2::new(self.across[0].dot(v), self.across[1].dot(v)),
+            self.axis.dot(v),
+        )
+    }
+
+    /// See [`Shape::intersect`](super::Shape::intersect).
+    #[inline]
+    pub fn intersect(
+        &self,
+        origin: DVec3,
+        dir: DVec3,
+        t_max: f64,
+        leaving: Option<u32>,
+    ) -> Option<ShapeHit> {
+        let from = origin - self.base;
+        let (d, dz) = self.split(dir);
+        // A ray from afar first slides to where it passes the centre: the
+        // coefficients are then as small as the cylinder. From the surface
+        // itself it starts where it is, since one root is known there.
+        let slide = if leaving.is_some() {
+            0.0
+        } else {
+            (self.axis * (0.5 * self.length) - from).dot(dir) / dir.length_squared()
+        };
+        let (o, oz) = self.split(from + dir * slide);
+        let side = self.side_interval(o, d, leaving == Some(SIDE));
+        let accept = |part: u32, local: f64| {
+            let t = local + slide;
+            (t > 0.0 && t < t_max).then(|| ShapeHit::on(part, t))
+        };
+        if self.capped {
+            let (near, far) = side?;
+            let ((enter, first), (exit, last)) = self.slab_interval(oz, dz, leaving)?;
+            let (enter, first) = if near > enter { (near, SIDE) } else { (enter, first) };
+            let (exit, last) = if far < exit { (far, SIDE) } else { (exit, last) };
+            if enter > exit {
+                return None;
+            }
+            return accept(first, enter).or_else(|| accept(last, exit));
+        }
+        let (near, far) = side?;
+        let within = |t: f64| (0.0..=self.length).contains(&(oz + dz * t));
+        let visible = |t: f64| within(t).then(|| accept(SIDE, t)).flatten();
+        visible(near).or_else(|| visible(far))
+    }
+
+    /// The parameters between which the line runs inside the infinite
+    /// cylinder; unbounded if it runs along the axis.
+    #[inline]
+    fn side_interval(&self, o: DVec2, d: DVec2, leaving_side: bool) -> Option<(f64, f64)> {
+        let a = d.length_squared();
+        let h = o.dot(d);
+        if leaving_side {
+            let other = -2.0 * h / a;
+            // Along the axis the line stays on the side: no way to cross it.
+            let other = if other.is_finite() { other } else { 0.0 };
+            return Some((other.min(0.0), other.max(0.0)));
+        }
+        let start = o.length();
+        if a == 0.0 {
+            return (start <= self.radius).then_some((f64::NEG_INFINITY, f64::INFINITY));
+        }
+        // The distance of the line from the axis, as a height: no difference
+        // of nearly equal vectors.
+        let closest = (o - d * (h / a)).length();
+        crossings(a, h, closest, start, self.radius)
+    }
+
+    /// The parameters between which the line runs between the planes of the
+    /// caps, each with the cap it crosses there.
+    #[inline]
+    fn slab_interval(
+        &self,
+        oz: f64,
+        dz: f64,
+        leaving: Option<u32>,
+    ) -> Option<((f64, u32), (f64, u32))> {
+        if dz == 0.0 {
+            // Within a cap's plane the ray touches the rim only; a ray that
+            // leaves the cap counts as outside.
+            let inside = oz > 0.0 && oz < self.length;
+            return inside.then_some(((f64::NEG_INFINITY, BASE), (f64::INFINITY, TOP)));
+        }
+        // The plane on which the ray stands is crossed at zero, exactly.
+        let base = if leaving == Some(BASE) { 0.0 } else { -oz / dz };
+        let top = if leaving == Some(TOP) {
+            0.0
+        } else {
+            (self.length - oz) / dz
+        };
+        Some(if dz > 0.0 {
+            ((base, BASE), (top, TOP))
+        } else {
+            ((top, TOP), (base, BASE))
+        })
+    }
+
+    /// See [`Shape::surface`](super::Shape::surface).
+    #[inline]
+    pub fn surface(&self, origin: DVec3, dir: DVec3, hit: &ShapeHit) -> ShapePoint {
+        let (flat, z) = self.split((origin - self.base) + dir * hit.t);
+        let (flat, z, ng) = match hit.part {
+            BASE => (flat, 0.0, -self.axis),
+            TOP => (flat, self.length, self.axis),
+            _ => {
+                let out = flat.normalize();
+                let ng = self.across[0] * out.x + self.across[1] * out.y;
+                (out * self.radius, z, ng.normalize())
+            }
+        };
+        let terms = [self.across[0] * flat.x, self.across[1] * flat.y, self.axis * z];
+        let p = self.base + (terms[0] + terms[1] + terms[2]);
+        ShapePoint {
+            p,
+            error: self.error_of(flat.x.abs() + flat.y.abs() + z.abs(), p),
+            ng,
+            ns: ng,
+        }
+    }
+
+    /// Error of a point formed from cylinder coordinates whose absolute sum
+    /// is `reach`: the frame is about eight roundings from orthonormal and
+    /// from the given axis, the length four, products and sums take four;
+    /// adding the base rounds once more.
+    fn error_of(&self, reach: f64, p: DVec3) -> f64 {
+        gamma(16) * reach + gamma(1) * (self.base.abs().max(p.abs())).max_element()
+    }
+
+    /// See [`Shape::bounds`](super::Shape::bounds).
+    pub fn bounds(&self) -> Aabb {
+        let half = circle_half_widths(self.axis) * self.radius;
+        let top = self.base + self.axis * self.length;
+        let b = Aabb {
+            min: self.base.min(top) - half,
+            max: self.base.max(top) + half,
+        };
+        let reach = 2.0 * self.radius + self.length;
+        b.padded(2.0 * self.error_of(reach, b.min.abs().max(b.max.abs())))
+    }
+
+    /// See [`Shape::bounding_sphere`](super::Shape::bounding_sphere).
+    pub fn bounding_sphere(&self) -> BoundingSphere {
+        let half = 0.5 * self.length;
+        let center = self.base + self.axis * half;
+        let reach = 2.0 * self.radius + self.length;
+        BoundingSphere {
+            center,
+            radius: self.radius.hypot(half) + 2.0 * self.error_of(reach, center),
+        }
+    }
+}

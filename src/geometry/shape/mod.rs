@@ -1,0 +1,204 @@
+//! The shapes, one file each, and the two questions put to all of them:
+//! where does a ray meet you, and what are you like there?
+//!
+//! Everything here happens in the shape's own space. A ray is an origin and
+//! a direction of any length but zero; `t` counts in units of that length.
+//! Hits have `0 < t < t_max`. `leaving` names the part on which the ray
+//! starts: flat parts are then skipped, curved ones drop the root at zero.
+//! Constructors take input that has been validated: finite, lengths above
+//! zero, directions not zero, edges not parallel.
+
+mod cylinder;
+mod disc;
+mod plane;
+mod quad;
+mod sphere;
+mod triangle;
+
+use std::sync::Arc;
+
+use glam::DVec3;
+
+pub use cylinder::Cylinder;
+pub use disc::Disc;
+pub use plane::Plane;
+pub use quad::Quad;
+pub use sphere::Sphere;
+pub(super) use triangle::{point_at, triangle_normal};
+pub use triangle::{ShearedRay, Triangle};
+
+use super::{Aabb, BoundingSphere, Transform, TriangleMesh};
+
+/// Everything that a ray can meet.
+#[derive(Clone, Debug)]
+pub enum Shape {
+    /// An unbounded plane.
+    Plane(Plane),
+    /// A parallelogram.
+    Quad(Quad),
+    /// A flat disc.
+    Disc(Disc),
+    /// A sphere.
+    Sphere(Sphere),
+    /// A tube, open or with caps.
+    Cylinder(Cylinder),
+    /// One triangle.
+    Triangle(Triangle),
+    /// Many triangles, shared between instances.
+    Mesh(Arc<TriangleMesh>),
+}
+
+/// Where a ray meets a shape.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ShapeHit {
+    /// Ray parameter, in lengths of the direction.
+    pub t: f64,
+    /// The part that was met: triangle of a mesh, side (0), base (1) or top
+    /// (2) of a cylinder; otherwise 0.
+    pub part: u32,
+    /// Barycentric weights of a triangle's second and third vertex; zero for
+    /// other shapes.
+    pub uv: [f64; 2],
+}
+
+impl ShapeHit {
+    /// A hit on a shape without barycentric coordinates.
+    #[inline]
+    pub(crate) fn on(part: u32, t: f64) -> Self {
+        Self {
+            t,
+            part,
+            uv: [0.0; 2],
+        }
+    }
+}
+
+/// A point on a shape, in its own space.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ShapePoint {
+    /// Position, moved onto the surface.
+    pub p: DVec3,
+    /// Bound on the distance from `p` to the true surface along any axis.
+    pub error: f64,
+    /// Geometric unit normal.
+    pub ng: DVec3,
+    /// Shading unit normal, `ns . ng > 0`.
+    pub ns: DVec3,
+}
+
+/// Calls the same method on whichever shape it is.
+macro_rules! each {
+    ($self:expr, $s:ident => $call:expr) => {
+        match $self {
+            Shape::Plane($s) => $call,
+            Shape::Quad($s) => $call,
+            Shape::Disc($s) => $call,
+            Shape::Sphere($s) => $call,
+            Shape::Cylinder($s) => $call,
+            Shape::Triangle($s) => $call,
+            Shape::Mesh($s) => $call,
+        }
+    };
+}
+
+impl Shape {
+    /// The nearest hit with `0 < t < t_max`.
+    #[inline]
+    pub fn intersect(
+        &self,
+        origin: DVec3,
+        dir: DVec3,
+        t_max: f64,
+        leaving: Option<u32>,
+    ) -> Option<ShapeHit> {
+        each!(self, s => s.intersect(origin, dir, t_max, leaving))
+    }
+
+    /// True if there is any hit with `0 < t < t_max`.
+    #[inline]
+    pub fn occludes(&self, origin: DVec3, dir: DVec3, t_max: f64, leaving: Option<u32>) -> bool {
+        match self {
+            Self::Mesh(m) => m.occludes(origin, dir, t_max, leaving),
+            other => other.intersect(origin, dir, t_max, leaving).is_some(),
+        }
+    }
+
+    /// The point at a hit that [`intersect`](Self::intersect) has returned
+    /// for the same ray.
+    #[inline]
+    pub fn surface(&self, origin: DVec3, dir: DVec3, hit: &ShapeHit) -> ShapePoint {
+        each!(self, s => s.surface(origin, dir, hit))
+    }
+
+    /// A box around the shape, its rounding error included; `None` if it is
+    /// unbounded.
+    pub fn bounds(&self) -> Option<Aabb> {
+        match self {
+            Self::Plane(_) => None,
+            Self::Quad(s) => Some(s.bounds()),
+            Self::Disc(s) => Some(s.bounds()),
+            Self::Sphere(s) => Some(s.bounds()),
+            Self::Cylinder(s) => Some(s.bounds()),
+            Self::Triangle(s) => Some(s.bounds()),
+            Self::Mesh(s) => Some(s.bounds()),
+        }
+    }
+
+    /// A sphere around the shape; `None` if it is unbounded. It is the
+    /// smallest one but for triangles and meshes.
+    pub fn bounding_sphere(&self) -> Option<BoundingSphere> {
+        match self {
+            Self::Plane(_) => None,
+            Self::Quad(s) => Some(s.bounding_sphere()),
+            Self::Disc(s) => Some(s.bounding_sphere()),
+            Self::Sphere(s) => Some(s.bounding_sphere()),
+            Self::Cylinder(s) => Some(s.bounding_sphere()),
+            Self::Triangle(s) => Some(s.bounding_sphere()),
+            Self::Mesh(s) => Some(s.bounding_sphere()),
+        }
+    }
+
+    /// A world box around the transformed shape: tight for spheres and
+    /// meshes, the box around the shape's own box for others.
+    pub fn bounds_under(&self, transform: &Transform) -> Option<Aabb> {
+        match self {
+            Self::Sphere(s) => Some(transform.sphere_bounds(&s.bounding_sphere())),
+            Self::Mesh(m) => Some(m.bounds_under(transform)),
+            other => other.bounds().map(|b| transform.bounds(&b)),
+        }
+    }
+
+    /// True if the shape has an inside that no path can enter or leave
+    /// unseen.
+    pub fn is_closed(&self) -> bool {
+        match self {
+            Self::Sphere(_) => true,
+            Self::Cylinder(c) => c.is_capped(),
+            Self::Mesh(m) => m.is_closed(),
+            Self::Plane(_) | Self::Quad(_) | Self::Disc(_) | Self::Triangle(_) => false,
+        }
+    }
+
+    /// True if the shape lies in one plane by its kind: no ray that leaves
+    /// it can meet it again.
+    pub fn is_flat(&self) -> bool {
+        matches!(
+            self,
+            Self::Plane(_) | Self::Quad(_) | Self::Disc(_) | Self::Triangle(_)
+        )
+    }
+}
+
+/// The ray parameter at which a ray crosses the plane through `point`, if it
+/// lies in `(0, t_max)`. Parallel rays give an infinity or NaN and miss.
+#[inline]
+fn plane_crossing(
+    point: DVec3,
+    normal: DVec3,
+    origin: DVec3,
+    dir: DVec3,
+    t_max: f64,
+) -> Option<f64> {
+    let t = normal.dot(point - origin) / normal.dot(dir);
+    (t > 0.0 && t < t_max).then_some(t)
+}

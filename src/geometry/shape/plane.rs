@@ -1,0 +1,79 @@
+//! The unbounded plane.
+
+use glam::DVec3;
+
+use super::{ShapeHit, ShapePoint, plane_crossing};
+use crate::{
+    geometry::transform::unit,
+    numeric::{U, gamma},
+};
+
+/// A plane through a point.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Plane {
+    point: DVec3,
+    normal: DVec3,
+}
+
+impl Plane {
+    /// The plane through `point` with the given normal of any length but
+    /// zero.
+    pub fn new(point: DVec3, normal: DVec3) -> Self {
+        Self {
+            point,
+            normal: unit(normal),
+        }
+    }
+
+    /// The point by which the plane was given.
+    pub fn point(&self) -> DVec3 {
+        self.point
+    }
+
+    /// Unit normal.
+    pub fn normal(&self) -> DVec3 {
+        self.normal
+    }
+
+    /// See [`Shape::intersect`](super::Shape::intersect).
+    #[inline]
+    pub fn intersect(
+        &self,
+        origin: DVec3,
+        dir: DVec3,
+        t_max: f64,
+        leaving: Option<u32>,
+    ) -> Option<ShapeHit> {
+        if leaving.is_some() {
+            return None;
+        }
+        plane_crossing(self.point, self.normal, origin, dir, t_max).map(|t| ShapeHit::on(0, t))
+    }
+
+    /// See [`Shape::surface`](super::Shape::surface).
+    #[inline]
+    pub fn surface(&self, origin: DVec3, dir: DVec3, hit: &ShapeHit) -> ShapePoint {
+        let (p, error) = drop_onto(self.point, self.normal, origin + dir * hit.t);
+        ShapePoint {
+            p,
+            error,
+            ng: self.normal,
+            ns: self.normal,
+        }
+    }
+}
+
+/// Moves `p` onto the plane; returns the point and its error.
+///
+/// The height above the plane is a difference, a product and two sums away
+/// from exact, the normal itself about five roundings from unit length and
+/// direction: ten, relative to the distance from the plane's point. Forming
+/// the coordinates of the result rounds once more.
+#[inline]
+pub(super) fn drop_onto(point: DVec3, normal: DVec3, p: DVec3) -> (DVec3, f64) {
+    let from = p - point;
+    let dropped = p - normal * normal.dot(from);
+    let reach = from.x.abs() + from.y.abs() + from.z.abs();
+    let error = gamma(10) * reach + U * dropped.abs().max_element();
+    (dropped, error)
+}

@@ -1,0 +1,112 @@
+//! The sphere.
+//!
+//! Intersection after Haines, Guenther and Akenine-Moeller, *Precision
+//! Improvements for Ray/Sphere Intersection*, Ray Tracing Gems (2019),
+//! chapter 7: the discriminant from the ray's closest approach, the constant
+//! term and the discriminant as products of sum and difference.
+
+use glam::DVec3;
+
+use super::{ShapeHit, ShapePoint};
+use crate::{
+    geometry::{Aabb, BoundingSphere},
+    numeric::{
+        U, gamma,
+        quadratic::{Roots, quadratic_with_discriminant},
+    },
+};
+
+/// A sphere; its normal points outward.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sphere {
+    center: DVec3,
+    radius: f64,
+}
+
+impl Sphere {
+    /// A sphere with a radius above zero, in metres.
+    pub fn new(center: DVec3, radius: f64) -> Self {
+        Self { center, radius }
+    }
+
+    /// Centre.
+    pub fn center(&self) -> DVec3 {
+        self.center
+    }
+
+    /// Radius in metres.
+    pub fn radius(&self) -> f64 {
+        self.radius
+    }
+
+    /// See [`Shape::intersect`](super::Shape::intersect).
+    #[inline]
+    pub fn intersect(
+        &self,
+        origin: DVec3,
+        dir: DVec3,
+        t_max: f64,
+        leaving: Option<u32>,
+    ) -> Option<ShapeHit> {
+        let from = origin - self.center;
+        let a = dir.length_squared();
+        let h = from.dot(dir);
+        let accept = |t: f64| (t > 0.0 && t < t_max).then(|| ShapeHit::on(0, t));
+        if leaving.is_some() {
+            // The origin solves the equation, so that the other root is the
+            // sum of both.
+            return accept(-2.0 * h / a);
+        }
+        let (near, far) = crossings(a, h, (from - dir * (h / a)).length(), from.length(), self.radius)?;
+        accept(near).or_else(|| accept(far))
+    }
+
+    /// See [`Shape::surface`](super::Shape::surface).
+    #[inline]
+    pub fn surface(&self, origin: DVec3, dir: DVec3, hit: &ShapeHit) -> ShapePoint {
+        let ng = ((origin - self.center) + dir * hit.t).normalize();
+        ShapePoint {
+            p: self.center + ng * self.radius,
+            error: self.error(),
+            ng,
+            ns: ng,
+        }
+    }
+
+    /// The normal is unit up to a square, two sums, a root and a quotient;
+    /// one more rounding scales it and one adds the centre.
+    fn error(&self) -> f64 {
+        gamma(6) * self.radius + U * (self.center.abs().max_element() + self.radius)
+    }
+
+    /// See [`Shape::bounds`](super::Shape::bounds).
+    pub fn bounds(&self) -> Aabb {
+        Aabb {
+            min: self.center - DVec3::splat(self.radius),
+            max: self.center + DVec3::splat(self.radius),
+        }
+        .padded(2.0 * self.error())
+    }
+
+    /// See [`Shape::bounding_sphere`](super::Shape::bounding_sphere).
+    pub fn bounding_sphere(&self) -> BoundingSphere {
+        BoundingSphere {
+            center: self.center,
+            radius: self.radius,
+        }
+    }
+}
+
+/// Both parameters, ascending, at which a line crosses a circle or sphere of
+/// radius `r`: `a` is the squared length of its direction, `h` the product of
+/// origin and direction, `closest` and `start` the distances of the point of
+/// closest approach and of the origin from the centre.
+#[inline]
+pub(super) fn crossings(a: f64, h: f64, closest: f64, start: f64, r: f64) -> Option<(f64, f64)> {
+    let discriminant = a * ((r - closest) * (r + closest));
+    let k = (start - r) * (start + r);
+    match quadratic_with_discriminant(a, h, k, discriminant) {
+        Roots::Two(near, far) => Some((near, far)),
+        Roots::None | Roots::One(_) => None,
+    }
+}

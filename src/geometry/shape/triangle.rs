@@ -1,0 +1,251 @@
+//! The triangle, and the watertight test that meshes share with it.
+//!
+//! Woop, Benthin, Wald, *Watertight Ray/Triangle Intersection*, JCGT 2(1),
+//! 2013: vertices are moved into a space in which the ray is the z axis, and
+//! the signs of three edge functions decide. Two triangles that share an edge
+//! see the same moved vertices, so that they cannot disagree about the side
+//! on which the ray passes, provided that the signs are right: where a sign
+//! is within rounding of zero, all three are computed again with compensated
+//! products.
+
+use glam::DVec3;
+
+use super::{ShapeHit, ShapePoint};
+use crate::{
+    geometry::{Aabb, BoundingSphere, transform::power_of_two_near},
+    numeric::{U, difference_of_products, gamma},
+};
+
+/// One triangle; its normal follows the counter-clockwise winding.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Triangle {
+    vertices: [DVec3; 3],
+    normal: DVec3,
+}
+
+impl Triangle {
+    /// A triangle of an area above zero; see [`triangle_normal`] for what
+    /// counts as zero.
+    pub fn new(a: DVec3, b: DVec3, c: DVec3) -> Self {
+        let vertices = [a, b, c];
+        Self {
+            vertices,
+            normal: triangle_normal(&vertices).unwrap_or(DVec3::Z),
+        }
+    }
+
+    /// The vertices.
+    pub fn vertices(&self) -> [DVec3; 3] {
+        self.vertices
+    }
+
+    /// Unit normal.
+    pub fn normal(&self) -> DVec3 {
+        self.normal
+    }
+
+    /// See [`Shape::intersect`](super::Shape::intersect).
+    #[inline]
+    pub fn intersect(
+        &self,
+        origin: DVec3,
+        dir: DVec3,
+        t_max: f64,
+        leaving: Option<u32>,
+    ) -> Option<ShapeHit> {
+        if leaving.is_some() {
+            return None;
+        }
+        ShearedRay::new(origin, dir)
+            .hit(&self.vertices, t_max)
+            .map(|(t, uv)| ShapeHit { t, part: 0, uv })
+    }
+
+    /// See [`Shape::surface`](super::Shape::surface).
+    #[inline]
+    pub fn surface(&self, _origin: DVec3, _dir: DVec3, hit: &ShapeHit) -> ShapePoint {
+        let (p, error) = point_at(&self.vertices, hit.uv);
+        ShapePoint {
+            p,
+            error,
+            ng: self.normal,
+            ns: self.normal,
+        }
+    }
+
+    /// See [`Shape::bounds`](super::Shape::bounds).
+    pub fn bounds(&self) -> Aabb {
+        let b = Aabb::around(self.vertices);
+        b.padded(gamma(16) * b.max_abs())
+    }
+
+    /// See [`Shape::bounding_sphere`](super::Shape::bounding_sphere).
+    pub fn bounding_sphere(&self) -> BoundingSphere {
+        let mut sphere = BoundingSphere::around(self.vertices);
+        sphere.radius += gamma(16) * self.bounds().max_abs();
+        sphere
+    }
+}
+
+/// The unit normal of a triangle; `None` if it is degenerate: not finite, or
+/// of an area within rounding of zero, so that its normal means nothing.
+pub(in crate::geometry) fn triangle_normal(v: &[DVec3; 3]) -> Option<DVec3> {
+    let (e, f) = (v[1] - v[0], v[2] - v[0]);
+    // Scaled by powers of two, so that products neither overflow nor vanish.
+    let e = e * (1.0 / power_of_two_near(e.abs().max_element()));
+    let f = f * (1.0 / power_of_two_near(f.abs().max_element()));
+    let n = DVec3::new(
+        difference_of_products(e.y, f.z, e.z, f.y),
+        difference_of_products(e.z, f.x, e.x, f.z),
+        difference_of_products(e.x, f.y, e.y, f.x),
+    );
+    let length = n.length();
+    // Each edge has rounded once, which moves the product by up to
+    // 2 U |e| |f|, compensation another 2 U.
+    let noise = 4.0 * U * e.length() * f.length();
+    (length.is_finite() && length > noise).then(|| n / length)
+}
+
+/// The point with barycentric weights `uv`, and its error. The weights are
+/// never negative, so that the point lies within the triangle whatever their
+/// own error; forming it takes an edge, a product and two sums.
+#[inline]
+pub(in crate::geometry) fn point_at(v: &[DVec3; 3], uv: [f64; 2]) -> (DVec3, f64) {
+    let along = (v[1] - v[0]) * uv[0];
+    let across = (v[2] - v[0]) * uv[1];
+    let p = v[0] + (along + across);
+    let spread = along.abs() + across.abs();
+    (p, (gamma(3) * spread + U * p.abs()).max_element())
+}
+
+/// A ray prepared for the watertight test.
+#[derive(Clone, Copy, Debug)]
+pub struct ShearedRay {
+    origin: DVec3,
+    /// Direction over its largest component, without that component.
+    shear: [f64; 2],
+    /// One over the largest component.
+    scale: f64,
+    /// Index of the largest component.
+    axis: usize,
+}
+
+impl ShearedRay {
+    /// Prepares a ray whose direction is not zero.
+    #[inline]
+    pub fn new(origin: DVec3, dir: DVec3) -> Self {
+        let size = dir.abs();
+        let axis = if size.x >= size.y && size.x >= size.z {
+            0
+        } else if size.y >= size.z {
+            1
+        } else {
+            2
+        };
+        let d = dir.to_array();
+        let scale = 1.0 / d[axis];
+        let shear = [d[(axis + 1) % 3] / d[axis], d[(axis + 2) % 3] / d[axis]];
+        Self {
+            origin,
+            shear,
+            scale,
+            axis,
+        }
+    }
+
+    /// Where the ray starts.
+    #[inline]
+    pub fn origin(&self) -> DVec3 {
+        self.origin
+    }
+
+    /// Index of the direction's largest component.
+    #[inline]
+    pub fn axis(&self) -> usize {
+        self.axis
+    }
+
+    /// The hit with `0 < t < t_max`: its `t` and the weights of the second
+    /// and third vertex.
+    #[inline]
+    pub fn hit(&self, v: &[DVec3; 3], t_max: f64) -> Option<(f64, [f64; 2])> {
+        match self.axis {
+            0 => self.hit_along::<0>(v, t_max),
+            1 => self.hit_along::<1>(v, t_max),
+            _ => self.hit_along::<2>(v, t_max),
+        }
+    }
+
+    /// [`hit`](Self::hit) for a ray whose axis is known to be `AXIS`: for
+    /// loops that settle the axis outside.
+    #[inline]
+    pub fn hit_along<const AXIS: usize>(
+        &self,
+        v: &[DVec3; 3],
+        t_max: f64,
+    ) -> Option<(f64, [f64; 2])> {
+        let [a, b, c] = [
+            self.moved::<AXIS>(v[0]),
+            self.moved::<AXIS>(v[1]),
+            self.moved::<AXIS>(v[2]),
+        ];
+        let mut u = c[0] * b[1] - c[1] * b[0];
+        let mut v = a[0] * c[1] - a[1] * c[0];
+        let mut w = b[0] * a[1] - b[1] * a[0];
+        let x = a[0].abs().max(b[0].abs()).max(c[0].abs());
+        let y = a[1].abs().max(b[1].abs()).max(c[1].abs());
+        // Two products and a difference: off by at most 4 U x y.
+        let noise = 4.0 * U * x * y;
+        if u.abs() <= noise || v.abs() <= noise || w.abs() <= noise {
+            u = difference_of_products(c[0], b[1], c[1], b[0]);
+            v = difference_of_products(a[0], c[1], a[1], c[0]);
+            w = difference_of_products(b[0], a[1], b[1], a[0]);
+        }
+        if (u < 0.0 || v < 0.0 || w < 0.0) && (u > 0.0 || v > 0.0 || w > 0.0) {
+            return None;
+        }
+        let det = u + v + w;
+        if det == 0.0 {
+            return None;
+        }
+        let inverse = 1.0 / det;
+        let z = (u * a[2] + v * b[2] + w * c[2]) * inverse;
+        let t = z * self.scale;
+        if !(t > 0.0 && t < t_max) {
+            return None;
+        }
+        let extent = [x, y, a[2].abs().max(b[2].abs()).max(c[2].abs())];
+        let nearest = (a[2] * self.scale).min(b[2] * self.scale).min(c[2] * self.scale);
+        if nearest <= 0.0 && z.abs() <= depth_error(extent, inverse) {
+            return None;
+        }
+        Some((t, [v * inverse, w * inverse]))
+    }
+
+    /// A vertex relative to the origin, sheared so that the ray is the third
+    /// axis (not scaled along it).
+    #[inline]
+    fn moved<const AXIS: usize>(&self, p: DVec3) -> [f64; 3] {
+        let p = (p - self.origin).to_array();
+        let z = p[AXIS];
+        [
+            p[(AXIS + 1) % 3] - self.shear[0] * z,
+            p[(AXIS + 2) % 3] - self.shear[1] * z,
+            z,
+        ]
+    }
+}
+
+/// Bound on the error of the depth of a hit on a triangle with moved vertices
+/// of magnitude `[x, y, z]` (pbrt 4th ed., section 6.8.7). Depth is a mean of
+/// the vertices' with weights of one sign: it only matters for triangles that
+/// reach behind the origin, where the bound tells in front from behind.
+#[cold]
+fn depth_error([x, y, z]: [f64; 3], inverse_det: f64) -> f64 {
+    let dz = gamma(3) * z;
+    let dx = gamma(5) * (x + z);
+    let dy = gamma(5) * (y + z);
+    let e = 2.0 * x * y;
+    let de = 2.0 * (gamma(2) * x * y + dy * x + dx * y);
+    3.0 * (gamma(3) * e * z + de * z + dz * e) * inverse_det.abs()
+}

@@ -1,0 +1,163 @@
+//! Everything a ray can meet, in one place.
+
+use glam::DVec3;
+
+use super::{
+    Aabb, BoundingSphere, Hit, Ray, Shape, SurfaceId, SurfacePoint, Transform, bvh::Bvh,
+    shape::ShapeHit,
+};
+
+/// A shape and its place in the world.
+#[derive(Clone, Debug)]
+pub struct Instance {
+    /// The shape, in its own space.
+    pub shape: Shape,
+    /// From its own space to the world; `None` where they are the same.
+    pub transform: Option<Transform>,
+}
+
+impl Instance {
+    /// The ray's origin and direction in the shape's own space.
+    #[inline]
+    pub(super) fn own_ray(&self, ray: &Ray) -> (DVec3, DVec3) {
+        match &self.transform {
+            None => (ray.origin, ray.dir),
+            Some(m) => (m.inverse_point(ray.origin), m.inverse_vector(ray.dir)),
+        }
+    }
+
+    /// The nearest hit of a world-space ray with `0 < t < t_max`; `leaving`
+    /// is the part of this instance on which it starts.
+    #[inline]
+    pub fn intersect(&self, ray: &Ray, t_max: f64, leaving: Option<u32>) -> Option<ShapeHit> {
+        let (origin, dir) = self.own_ray(ray);
+        self.shape.intersect(origin, dir, t_max, leaving)
+    }
+
+    /// True if a world-space ray has any hit with `0 < t < t_max`.
+    #[inline]
+    pub fn occludes(&self, ray: &Ray, t_max: f64, leaving: Option<u32>) -> bool {
+        let (origin, dir) = self.own_ray(ray);
+        self.shape.occludes(origin, dir, t_max, leaving)
+    }
+
+    /// The box around the instance; `None` if it is unbounded.
+    pub fn bounds(&self) -> Option<Aabb> {
+        match &self.transform {
+            None => self.shape.bounds(),
+            Some(m) => self.shape.bounds_under(m),
+        }
+    }
+
+    /// A sphere around the instance; `None` if it is unbounded.
+    pub fn bounding_sphere(&self) -> Option<BoundingSphere> {
+        let sphere = self.shape.bounding_sphere()?;
+        Some(match &self.transform {
+            None => sphere,
+            Some(m) => m.sphere(&sphere),
+        })
+    }
+}
+
+/// All instances, and the tree over those that are bounded.
+#[derive(Clone, Debug)]
+pub struct World {
+    instances: Vec<Instance>,
+    bvh: Bvh,
+    /// The instance in each slot of the tree.
+    slots: Vec<u32>,
+    unbounded: Vec<u32>,
+    boxes: Vec<Option<Aabb>>,
+    spheres: Vec<Option<BoundingSphere>>,
+}
+
+impl World {
+    /// Builds the tree. Instances keep their indices; there may be none.
+    pub fn new(instances: Vec<Instance>) -> Self {
+        let boxes: Vec<_> = instances.iter().map(Instance::bounds).collect();
+        let spheres = instances.iter().map(Instance::bounding_sphere).collect();
+        let bounded: Vec<(u32, Aabb)> =
+            (0..).zip(&boxes).filter_map(|(i, b)| b.map(|b| (i, b))).collect();
+        let unbounded = (0..).zip(&boxes).filter(|(_, b)| b.is_none()).map(|(i, _)| i).collect();
+        let (bvh, order) = Bvh::build(bounded.len(), 1, |i| bounded[i].1);
+        let slots = order.into_iter().map(|i| bounded[i as usize].0).collect();
+        Self { instances, bvh, slots, unbounded, boxes, spheres }
+    }
+
+    /// The nearest hit with `0 < t < t_max` metres.
+    pub fn closest(&self, ray: &Ray, t_max: f64) -> Option<Hit> {
+        let mut best = None;
+        let mut test = |instance: u32, t_max: f64| -> f64 {
+            let found = self.instance(instance).intersect(ray, t_max, leaving_part(ray, instance));
+            let Some(ShapeHit { t, part, uv }) = found else { return t_max };
+            best = Some(Hit { t, surface: SurfaceId { instance, part }, uv });
+            t
+        };
+        let t = self.unbounded.iter().fold(t_max, |t, &i| test(i, t));
+        self.bvh.closest(ray.origin, ray.dir, t, |slots, t| {
+            self.slots[slots].iter().fold(t, |t, &i| test(i, t))
+        });
+        best
+    }
+
+    /// True if there is any hit with `0 < t < t_max` metres on an instance
+    /// that `ignore` does not name.
+    pub fn occluded(&self, ray: &Ray, t_max: f64, ignore: impl Fn(u32) -> bool) -> bool {
+        let blocks = |&i: &u32| {
+            !ignore(i) && self.instance(i).occludes(ray, t_max, leaving_part(ray, i))
+        };
+        self.unbounded.iter().any(blocks)
+            || self.bvh.any(ray.origin, ray.dir, t_max, |slots| self.slots[slots].iter().any(blocks))
+    }
+
+    /// The point at a hit that this world has returned for the same ray.
+    pub fn surface(&self, ray: &Ray, hit: &Hit) -> SurfacePoint {
+        let instance = self.instance(hit.surface.instance);
+        let (origin, dir) = instance.own_ray(ray);
+        let own = ShapeHit { t: hit.t, part: hit.surface.part, uv: hit.uv };
+        let own = instance.shape.surface(origin, dir, &own);
+        let surface = hit.surface;
+        match &instance.transform {
+            None => SurfacePoint { p: own.p, error: own.error, ng: own.ng, ns: own.ns, surface },
+            Some(m) => {
+                // A linear map of normals keeps the sign of ns . ng only
+                // when both are the same; otherwise their angle may open.
+                let ng = m.normal(own.ng);
+                let ns = m.normal(own.ns);
+                let ns = if ns.dot(ng) > 0.0 { ns } else { ng };
+                SurfacePoint { p: m.point(own.p), error: m.point_error(own.p, own.error), ng, ns, surface }
+            }
+        }
+    }
+
+    /// All instances; hits and surfaces name them by index.
+    pub fn instances(&self) -> &[Instance] {
+        &self.instances
+    }
+
+    /// The box around all bounded instances; `None` if there are none.
+    pub fn bounds(&self) -> Option<Aabb> {
+        self.boxes.iter().flatten().copied().reduce(Aabb::union)
+    }
+
+    /// The world box around an instance; `None` if it is unbounded.
+    pub fn instance_bounds(&self, instance: u32) -> Option<Aabb> {
+        self.boxes[instance as usize]
+    }
+
+    /// A world sphere around an instance; `None` if it is unbounded.
+    pub fn instance_sphere(&self, instance: u32) -> Option<BoundingSphere> {
+        self.spheres[instance as usize]
+    }
+
+    #[inline]
+    fn instance(&self, i: u32) -> &Instance {
+        &self.instances[i as usize]
+    }
+}
+
+/// The part of the instance on which the ray starts, if it does.
+#[inline]
+pub(super) fn leaving_part(ray: &Ray, instance: u32) -> Option<u32> {
+    ray.leaving.filter(|s| s.instance == instance).map(|s| s.part)
+}
