@@ -29,11 +29,6 @@ impl Report {
         self.outline.field(self.text(), node, key).unwrap_or(node)
     }
 
-    /// The value reached through several keys.
-    pub(super) fn field_at(&self, node: NodeId, keys: &[&str]) -> NodeId {
-        keys.iter().fold(node, |at, key| self.field(at, key))
-    }
-
     /// A message about a value that marks it, or only its beginning if it
     /// spans several lines; with its path as a note.
     pub(super) fn about(&self, node: NodeId, message: impl Into<String>) -> Diagnostic {

@@ -4,8 +4,6 @@
 
 use std::ops::Range;
 
-use glam::DVec3;
-
 use super::{Fault, MeshData, fill_normals, position, push_fan, unit_normal};
 
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -237,8 +235,8 @@ fn property(element: &[u8], words: &[&[u8]], tokens: &[Range<usize>]) -> Result<
             let is_corners = element == b"face" && matches!(*name, b"vertex_indices" | b"vertex_index");
             let role = if is_corners { Role::Corners } else { Role::Skipped };
             let (length, item) = (scalar(1)?, scalar(2)?);
-            let wants_integers = if is_corners { [length, item].as_slice() } else { &[length] };
-            if wants_integers.iter().any(|s| matches!(s, Scalar::F32 | Scalar::F64)) {
+            let is_fraction = |s: Scalar| matches!(s, Scalar::F32 | Scalar::F64);
+            if is_fraction(length) || (is_corners && is_fraction(item)) {
                 let label = "expected an integer type";
                 return Err(Fault::text(tokens[0].clone(), "a list counted or indexed by fractions", label));
             }
@@ -400,6 +398,8 @@ impl Body<'_> {
 
 #[cfg(test)]
 mod tests {
+    use glam::DVec3;
+
     use super::*;
 
     const HEADER: &str = "element vertex 4\nproperty float x\nproperty double y\nproperty short z\n\
