@@ -1,0 +1,75 @@
+//! Objects: a shape, a material, a place; and whether glass is closed.
+
+use super::{BuiltObject, Builder};
+use crate::{
+    geometry::{Instance, Shape},
+    material::Material,
+    scene::{
+        Object,
+        description::{ObjectDescription, Part, ShapeDescription},
+        outline::NodeId,
+    },
+};
+
+impl<'d> Builder<'d> {
+    pub(super) fn objects(&mut self) -> Vec<BuiltObject> {
+        let description = self.description;
+        let parts = description.objects.iter().enumerate();
+        parts.filter_map(|(index, part)| self.object(index, part)).collect()
+    }
+
+    /// Checks all parts of an object, so that all its mistakes are found.
+    fn object(&mut self, index: usize, part: &'d Part<ObjectDescription>) -> Option<BuiltObject> {
+        let Part { node, value: d } = part;
+        let name = d.name.clone().unwrap_or_else(|| format!("objects[{index}]"));
+        let shape = d.shape.as_ref().and_then(|s| self.shape(s));
+        let material = d.material.as_ref().and_then(|m| self.chosen_material(m));
+        let transform = self.placement(d.at.as_ref());
+        let (shape, material, transform) = (shape?, material?, transform?);
+        if let Material::Dielectric { thin: false, .. } = material {
+            self.check_closed(*node, d, &shape)?;
+        }
+        let object = Object { name, material, light: None };
+        Some(BuiltObject { object, instance: Instance { shape, transform }, node: *node })
+    }
+
+    /// Glass must enclose its medium, or say that it doesn't.
+    fn check_closed(&mut self, node: NodeId, d: &ObjectDescription, shape: &Shape) -> Option<()> {
+        let place = self.report.field(node, "shape");
+        let closed = match shape {
+            Shape::Sphere(_) => true,
+            Shape::Mesh(mesh) => mesh.is_closed(),
+            Shape::Cylinder(_) => matches!(
+                d.shape.as_ref().map(|s| &s.value),
+                Some(ShapeDescription::Cylinder(c)) if c.capped
+            ),
+            Shape::Plane(_) | Shape::Quad(_) | Shape::Disc(_) | Shape::Triangle(_) => false,
+        };
+        if d.open {
+            return Some(());
+        }
+        if !closed {
+            let (label, close) = match shape {
+                Shape::Mesh(mesh) => {
+                    (super::mesh::describe_opening(mesh), "close the mesh")
+                }
+                Shape::Cylinder(_) => ("a tube without ends".to_owned(), "write `capped: true`"),
+                _ => ("a flat sheet has no inside".to_owned(), "use a closed shape"),
+            };
+            let help = format!(
+                "{close}; or write `open: true` in the object if this is the surface of a larger body \
+                 (its normal then points to the outside medium); or `thin: true` in the material for a pane"
+            );
+            let message = "glass that does not enclose anything";
+            return self.report.reject(place, message, label, help);
+        }
+        if let Shape::Mesh(mesh) = shape
+            && mesh.signed_volume() < 0.0
+        {
+            let help = "reverse the order of every face's vertices (most tools call it `flip normals`)";
+            let label = "the faces are clockwise seen from outside";
+            return self.report.reject(place, "a glass mesh turned inside out", label, help);
+        }
+        Some(())
+    }
+}

@@ -1,0 +1,113 @@
+//! Where an object stands: the `at` field.
+
+use glam::{DAffine3, DMat3, DVec3};
+
+use super::Builder;
+use crate::{
+    geometry::Transform,
+    numeric::trig,
+    scene::{
+        MAX_LENGTH, MIN_LENGTH,
+        description::{Part, Rotation, TransformStep},
+        outline::NodeId,
+    },
+};
+
+impl Builder<'_> {
+    /// The map from the shape's own space to the world. The outer `None` is a
+    /// mistake, the inner one means that nothing moves.
+    pub(super) fn placement(&mut self, at: Option<&Part<Vec<Part<TransformStep>>>>) -> Option<Option<Transform>> {
+        let Some(Part { node, value: steps }) = at else {
+            return Some(None);
+        };
+        let mut map = DAffine3::IDENTITY;
+        for step in steps {
+            map = self.step(step)? * map;
+        }
+        if map == DAffine3::IDENTITY {
+            return Some(None);
+        }
+        let columns = [map.matrix3.x_axis, map.matrix3.y_axis, map.matrix3.z_axis];
+        let range = MIN_LENGTH..=MAX_LENGTH;
+        let within = columns.iter().all(|c| range.contains(&c.abs().max_element()))
+            && map.translation.abs().max_element() <= MAX_LENGTH;
+        match Transform::new(map).filter(|_| within) {
+            Some(transform) => Some(Some(transform)),
+            None => {
+                let label = "this map cannot be inverted, or leaves the range of lengths";
+                let help = "no axis may be scaled to (nearly) nothing";
+                self.report.reject(*node, "a singular transform", label, help)
+            }
+        }
+    }
+
+    /// Scale, then rotate, then translate.
+    fn step(&mut self, step: &Part<TransformStep>) -> Option<DAffine3> {
+        let node = step.node;
+        let mut map = DAffine3::IDENTITY;
+        if let Some(scale) = step.value.scale {
+            let s = DVec3::from_array(scale.0);
+            if s.abs().min_element() < MIN_LENGTH || s.abs().max_element() > MAX_LENGTH {
+                let place = self.report.field(node, "scale");
+                let message = if s.abs().min_element() == 0.0 {
+                    "a singular transform: an axis is scaled to nothing"
+                } else {
+                    "a singular transform: a scale out of range"
+                };
+                let label = format!("expected factors from {MIN_LENGTH:e} to {MAX_LENGTH:e}, or their negatives");
+                return self.report.reject(place, message, label, "a factor of 1 leaves an axis as it is");
+            }
+            map = DAffine3::from_scale(s);
+        }
+        for rotation in step.value.rotate.iter().flat_map(|r| &r.0) {
+            let place = self.report.field(node, "rotate");
+            map = DAffine3::from_mat3(self.rotation(place, rotation)?) * map;
+        }
+        if let Some(translate) = step.value.translate {
+            let shift = self.report.point(node, "translate", translate)?;
+            map = DAffine3::from_translation(shift) * map;
+        }
+        Some(map)
+    }
+
+    /// Rodrigues' formula, with the angle reduced in degrees, where quarter
+    /// turns are exact.
+    fn rotation(&mut self, place: NodeId, rotation: &Rotation) -> Option<DMat3> {
+        let axis = self.report.direction(place, "axis", rotation.axis)?;
+        let (sin, cos) = sin_cos_degrees(rotation.degrees.0);
+        let turn = |v: DVec3| v * cos + axis.cross(v) * sin + axis * (axis.dot(v) * (1.0 - cos));
+        Some(DMat3::from_cols(turn(DVec3::X), turn(DVec3::Y), turn(DVec3::Z)))
+    }
+}
+
+/// Sine and cosine of an angle in degrees; multiples of 90 are exact.
+fn sin_cos_degrees(degrees: f64) -> (f64, f64) {
+    let reduced = degrees % 360.0;
+    let quarters = (reduced / 90.0).round();
+    // Exact: both are multiples of an ulp of a number below 360.
+    let rest = reduced - 90.0 * quarters;
+    let (sin, cos) = trig::sin_cos(rest.to_radians());
+    match (quarters as i64).rem_euclid(4) {
+        0 => (sin, cos),
+        1 => (cos, -sin),
+        2 => (-sin, -cos),
+        _ => (-cos, sin),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn quarter_turns_are_exact_and_others_right() {
+        assert_eq!(sin_cos_degrees(90.0), (1.0, 0.0));
+        assert_eq!(sin_cos_degrees(-90.0), (-1.0, 0.0));
+        assert_eq!(sin_cos_degrees(540.0), (0.0, -1.0));
+        for d in [30.0f64, 100.0, 200.0, 300.0, -45.0, 1000.0] {
+            let (sin, cos) = sin_cos_degrees(d);
+            let (s, c) = trig::sin_cos(d.to_radians());
+            assert!((sin - s).abs() < 1e-13 && (cos - c).abs() < 1e-13, "{d}");
+        }
+    }
+}

@@ -1,0 +1,54 @@
+//! What each field of the language wants, in words, for messages.
+
+/// What a field expects.
+pub(super) fn expectation(field: &str) -> Option<&'static str> {
+    Some(match field {
+        "camera" => "a camera `(eye: .., look_at: .., fov: ..)`",
+        "image" => "an image `(width: .., height: ..)`",
+        "materials" => "materials by name: `{\"name\": Diffuse(reflectance: 0.5)}`",
+        "meshes" => "meshes by name: `{\"name\": File(\"lens.ply\")}`",
+        "objects" => "a list of objects: `[(shape: .., material: ..)]`",
+        "lights" => "a list of lights: `[Point(position: .., power: ..)]`",
+        "render" => "settings `(passes: .., seed: ..)`",
+        "shape" => "a shape such as `Sphere(center: .., radius: ..)`",
+        "material" => "a material's name, or a material such as `Diffuse(reflectance: 0.5)`",
+        "at" => "`(scale: .., rotate: .., translate: ..)`, or a list of such steps",
+        "eye" | "look_at" | "point" | "corner" | "center" | "facing" | "base" | "end"
+        | "position" | "a" | "b" | "c" => "a point `(x, y, z)` in metres",
+        "up" | "normal" | "direction" | "axis" => "a direction `(x, y, z)`",
+        "u" | "v" => "an edge `(x, y, z)` in metres",
+        "size" => "`(width, height)` in metres, both above 0",
+        "translate" => "a shift `(x, y, z)` in metres",
+        "scale" => "a factor, or one per axis as `(x, y, z)`",
+        "rotate" => "`(axis: (x, y, z), degrees: ..)`, or a list of rotations",
+        "degrees" => "an angle in degrees",
+        "fov" => "the vertical field of view in degrees, between 0 and 180",
+        "radius" | "tube" | "height" | "width" => "a number above 0",
+        "inner" | "outer" => "a half-angle in degrees, from 0 to 180",
+        "angular_diameter" => "an angle in degrees, from 0 to below 180",
+        "reflectance" => "a colour whose channels lie in [0, 1]",
+        "power" | "intensity" | "radiance" | "irradiance" => {
+            "a colour: a number, `(r, g, b)` or \"#rrggbb\""
+        }
+        "ior" => "an index of refraction, at least 1",
+        "thin" | "open" | "capped" | "indirect" => "`true` or `false`",
+        "file" => "the path of an OBJ or PLY file, as a text",
+        "name" | "named" => "a name, as a text",
+        "vertices" => "a list of points `[(x, y, z), ..]`",
+        "normals" => "a list of directions `[(x, y, z), ..]`, one per vertex",
+        "triangles" => "a list of vertex indices `[(0, 1, 2), ..]`",
+        "waves" => "a list of waves `[(amplitude: .., k: (kx, ky), phase: ..)]`",
+        "cells" => "a whole number, or two as `(nx, ny)`",
+        "x" | "y" => "a range `(from, to)` in metres",
+        "k" => "a wave vector `(kx, ky)` in radians per metre",
+        "exposure" => "a number of stops",
+        "filter" => "`Box`",
+        "beam" => "a cross-section `(center: .., radius: ..)`",
+        "passes" | "max_depth" | "photons" | "segments" | "sides" | "p" | "q" => {
+            "a whole number, at least 1"
+        }
+        "seed" => "a whole number",
+        "memory" => "a number of bytes, or a text such as \"512 MiB\"",
+        _ => return None,
+    })
+}
