@@ -395,3 +395,69 @@ fn stack_need(nodes: &[Node]) -> usize {
     }
     need[0]
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Nested boxes that shrink towards a corner make a tree about as deep
+    /// as there are boxes: the walk must then allocate its stack, and still
+    /// see everything.
+    #[test]
+    fn very_deep_trees() {
+        let side = |i: usize| libm::exp2(-(i as f64) / 2.0);
+        let bounds = |i: usize| Aabb {
+            min: DVec3::ZERO,
+            max: DVec3::splat(side(i)),
+        };
+        let (bvh, order) = Bvh::build(2000, 1, bounds);
+        assert!(bvh.stack_need > STACK, "deep: {}", bvh.stack_need);
+        let mut seen = vec![false; 2000];
+        let see_all = |slots: Range<usize>, t: f64| {
+            slots.for_each(|slot| seen[order[slot] as usize] = true);
+            t
+        };
+        let t = bvh.closest(DVec3::splat(-1.0), DVec3::ONE, f64::INFINITY, see_all);
+        assert_eq!(t, f64::INFINITY, "nothing was found");
+        assert!(seen.iter().all(|&s| s), "every box lies on the diagonal");
+    }
+
+    /// Every slot is in exactly one leaf, and every primitive in one slot.
+    #[test]
+    fn leaves_partition_the_primitives() {
+        let place = |i: usize| {
+            let x = i as f64;
+            DVec3::new((x * 0.618).fract(), (x * 0.414).fract(), (x * 0.732).fract())
+        };
+        for count in [1, 2, 7, 8, 9, 1000] {
+            let (bvh, order) = Bvh::build(count, 4, |i| Aabb::around([place(i), place(i) * 1.01]));
+            let mut sorted = order.clone();
+            sorted.sort_unstable();
+            assert!(sorted.iter().copied().eq(0..count as u32), "{count}");
+            let mut covered = 0;
+            for node in &bvh.nodes {
+                for lane in 0..WIDTH {
+                    if node.faces[0][lane] <= node.faces[1][lane] && node.children[lane] & LEAF != 0 {
+                        covered += (node.children[lane] >> COUNT_SHIFT & 7) as usize + 1;
+                    }
+                }
+            }
+            assert_eq!(covered, count);
+        }
+    }
+
+    /// The limit never falls below the `t` it stands for.
+    #[test]
+    fn limits_are_rounded_up() {
+        let (bvh, _) = Bvh::build(1, 1, |_| Aabb::around([DVec3::splat(0.7), DVec3::splat(1.9)]));
+        for (origin, dir) in [(-3e5, 0.3), (0.0, 1e-8), (1.0, 7e9)] {
+            let origin = DVec3::splat(origin);
+            let ray = bvh.space.enter(origin, DVec3::splat(dir), f64::INFINITY).unwrap();
+            for k in 1..50 {
+                let t = (f64::from(k) / 37.0 + 0.7 - origin.x) / dir;
+                assert!(f64::from(ray.limit(t)) >= t * ray.per_t - ray.advanced, "{t}");
+            }
+            assert_eq!(ray.limit(f64::INFINITY), f32::INFINITY);
+        }
+    }
+}
