@@ -17,7 +17,7 @@
 
 use std::ops::Range;
 
-use glam::{DVec3, Vec3A};
+use glam::{DVec3, Vec3A, Vec4};
 use obvhs::{
     BvhBuildParams,
     bvh2::{Bvh2, builder::build_bvh2},
@@ -49,34 +49,37 @@ const MAX_PER_LEAF: u32 = 8;
 /// pathological scenes give, allocate.
 const STACK: usize = 96;
 
+/// Eight numbers, one per child.
+type Lanes = [Vec4; WIDTH / 4];
+
 /// Up to [`WIDTH`] boxes; those not used can't be hit.
 #[derive(Clone, Debug)]
 #[repr(align(64))]
 struct Node {
-    /// Lower and upper faces along x, then y, then z.
-    faces: [[f32; WIDTH]; 6],
+    /// Lower and upper faces along each axis.
+    faces: [[Lanes; 2]; 3],
     children: [u32; WIDTH],
 }
 
 impl Node {
     const EMPTY: Self = Self {
-        faces: [
-            [f32::INFINITY; WIDTH],
-            [f32::NEG_INFINITY; WIDTH],
-            [f32::INFINITY; WIDTH],
-            [f32::NEG_INFINITY; WIDTH],
-            [f32::INFINITY; WIDTH],
-            [f32::NEG_INFINITY; WIDTH],
-        ],
+        faces: [[[Vec4::INFINITY; 2], [Vec4::NEG_INFINITY; 2]]; 3],
         children: [0; WIDTH],
     };
 
     fn set(&mut self, lane: usize, aabb: &obvhs::aabb::Aabb, child: u32) {
         for axis in 0..3 {
-            self.faces[2 * axis][lane] = aabb.min[axis];
-            self.faces[2 * axis + 1][lane] = aabb.max[axis];
+            self.faces[axis][0][lane / 4][lane % 4] = aabb.min[axis];
+            self.faces[axis][1][lane / 4][lane % 4] = aabb.max[axis];
         }
         self.children[lane] = child;
+    }
+
+    /// The references in use.
+    fn used(&self) -> impl Iterator<Item = u32> {
+        let [low, high] = &self.faces[0];
+        let used = move |lane: &usize| low[lane / 4][lane % 4] <= high[lane / 4][lane % 4];
+        (0..WIDTH).filter(used).map(|lane| self.children[lane])
     }
 }
 
@@ -103,9 +106,8 @@ struct NodeSpace {
 struct NodeRay {
     origin: [f32; 3],
     inverse: [f32; 3],
-    /// For each axis the faces met first and last.
-    near: [usize; 3],
-    far: [usize; 3],
+    /// Along which axes it meets the upper face first.
+    backward: [bool; 3],
     /// Node-space length per unit of the caller's `t`.
     per_t: f64,
     /// Node-space length already behind the ray.
@@ -240,30 +242,33 @@ impl Bvh {
 /// top. Returns the stack's new length.
 #[inline]
 fn push_hits(node: &Node, ray: &NodeRay, limit: f32, stack: &mut [Entry], mut len: usize) -> usize {
-    let mut near = [0.0f32; WIDTH];
-    let mut far = [limit; WIDTH];
+    let mut near = [Vec4::ZERO; WIDTH / 4];
+    let mut far = [Vec4::splat(limit); WIDTH / 4];
     for axis in 0..3 {
-        let first = &node.faces[ray.near[axis]];
-        let last = &node.faces[ray.far[axis]];
-        for lane in 0..WIDTH {
-            let enter = (first[lane] - ray.origin[axis]) * ray.inverse[axis];
-            let exit = (last[lane] - ray.origin[axis]) * ray.inverse[axis];
-            near[lane] = if enter > near[lane] { enter } else { near[lane] };
-            far[lane] = if exit < far[lane] { exit } else { far[lane] };
+        let origin = Vec4::splat(ray.origin[axis]);
+        let inverse = Vec4::splat(ray.inverse[axis]);
+        let first = &node.faces[axis][usize::from(ray.backward[axis])];
+        let last = &node.faces[axis][usize::from(!ray.backward[axis])];
+        for half in 0..WIDTH / 4 {
+            // All finite: the order of arguments does not matter.
+            near[half] = near[half].max((first[half] - origin) * inverse);
+            far[half] = far[half].min((last[half] - origin) * inverse);
         }
     }
+    let mut hits = near[0].cmple(far[0]).bitmask() | near[1].cmple(far[1]).bitmask() << 4;
+    let near = [near[0].to_array(), near[1].to_array()];
     let base = len;
-    for lane in 0..WIDTH {
-        if near[lane] <= far[lane] {
-            let entry = Entry { t: near[lane], child: node.children[lane] };
-            let mut at = len;
-            while at > base && stack[at - 1].t < entry.t {
-                stack[at] = stack[at - 1];
-                at -= 1;
-            }
-            stack[at] = entry;
-            len += 1;
+    while hits != 0 {
+        let lane = hits.trailing_zeros() as usize % WIDTH;
+        hits &= hits - 1;
+        let entry = Entry { t: near[lane / 4][lane % 4], child: node.children[lane] };
+        let mut at = len;
+        while at > base && stack[at - 1].t < entry.t {
+            stack[at] = stack[at - 1];
+            at -= 1;
         }
+        stack[at] = entry;
+        len += 1;
     }
     len
 }
@@ -319,8 +324,7 @@ impl NodeSpace {
         Some(NodeRay {
             origin: o.to_array().map(|x| x as f32),
             inverse: d.to_array().map(inverse_f32),
-            near: std::array::from_fn(|i| 2 * i + usize::from(d[i].is_sign_negative())),
-            far: std::array::from_fn(|i| 2 * i + usize::from(d[i].is_sign_positive())),
+            backward: d.to_array().map(f64::is_sign_negative),
             per_t,
             advanced,
         })
@@ -383,12 +387,11 @@ fn open(binary: &Bvh2, node: u32) -> Vec<u32> {
 fn stack_need(nodes: &[Node]) -> usize {
     let mut need = vec![0usize; nodes.len()];
     for (i, node) in nodes.iter().enumerate().rev() {
-        let used = (0..WIDTH).filter(|&lane| node.faces[0][lane] <= node.faces[1][lane]);
         let (mut count, mut below) = (0, 0);
-        for lane in used {
+        for child in node.used() {
             count += 1;
-            if node.children[lane] & LEAF == 0 {
-                below = below.max(need[node.children[lane] as usize]);
+            if child & LEAF == 0 {
+                below = below.max(need[child as usize]);
             }
         }
         need[i] = count + below;
@@ -435,11 +438,9 @@ mod tests {
             sorted.sort_unstable();
             assert!(sorted.iter().copied().eq(0..count as u32), "{count}");
             let mut covered = 0;
-            for node in &bvh.nodes {
-                for lane in 0..WIDTH {
-                    if node.faces[0][lane] <= node.faces[1][lane] && node.children[lane] & LEAF != 0 {
-                        covered += (node.children[lane] >> COUNT_SHIFT & 7) as usize + 1;
-                    }
+            for child in bvh.nodes.iter().flat_map(Node::used) {
+                if child & LEAF != 0 {
+                    covered += (child >> COUNT_SHIFT & 7) as usize + 1;
                 }
             }
             assert_eq!(covered, count);
