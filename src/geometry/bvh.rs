@@ -17,7 +17,7 @@
 
 use std::ops::Range;
 
-use glam::{DVec3, Vec3A};
+use glam::{DVec3, Vec3A, Vec4};
 use obvhs::{
     BvhBuildParams,
     bvh2::{Bvh2, builder::build_bvh2},
@@ -49,34 +49,37 @@ const MAX_PER_LEAF: u32 = 8;
 /// pathological scenes give, allocate.
 const STACK: usize = 96;
 
+/// Eight numbers, one per child.
+type Lanes = [Vec4; WIDTH / 4];
+
 /// Up to [`WIDTH`] boxes; those not used can't be hit.
 #[derive(Clone, Debug)]
 #[repr(align(64))]
 struct Node {
-    /// Lower and upper faces along x, then y, then z.
-    faces: [[f32; WIDTH]; 6],
+    /// Lower and upper faces along each axis.
+    faces: [[Lanes; 2]; 3],
     children: [u32; WIDTH],
 }
 
 impl Node {
     const EMPTY: Self = Self {
-        faces: [
-            [f32::INFINITY; WIDTH],
-            [f32::NEG_INFINITY; WIDTH],
-            [f32::INFINITY; WIDTH],
-            [f32::NEG_INFINITY; WIDTH],
-            [f32::INFINITY; WIDTH],
-            [f32::NEG_INFINITY; WIDTH],
-        ],
+        faces: [[[Vec4::INFINITY; 2], [Vec4::NEG_INFINITY; 2]]; 3],
         children: [0; WIDTH],
     };
 
     fn set(&mut self, lane: usize, aabb: &obvhs::aabb::Aabb, child: u32) {
         for axis in 0..3 {
-            self.faces[2 * axis][lane] = aabb.min[axis];
-            self.faces[2 * axis + 1][lane] = aabb.max[axis];
+            self.faces[axis][0][lane / 4][lane % 4] = aabb.min[axis];
+            self.faces[axis][1][lane / 4][lane % 4] = aabb.max[axis];
         }
         self.children[lane] = child;
+    }
+
+    /// The references in use.
+    fn used(&self) -> impl Iterator<Item = u32> {
+        let [low, high] = &self.faces[0];
+        let used = move |lane: &usize| low[lane / 4][lane % 4] <= high[lane / 4][lane % 4];
+        (0..WIDTH).filter(used).map(|lane| self.children[lane])
     }
 }
 
@@ -103,9 +106,8 @@ struct NodeSpace {
 struct NodeRay {
     origin: [f32; 3],
     inverse: [f32; 3],
-    /// For each axis the faces met first and last.
-    near: [usize; 3],
-    far: [usize; 3],
+    /// Along which axes it meets the upper face first.
+    backward: [bool; 3],
     /// Node-space length per unit of the caller's `t`.
     per_t: f64,
     /// Node-space length already behind the ray.
@@ -236,7 +238,8 @@ impl Bvh {
         while let Some(node) = todo.pop().and_then(|i| self.nodes.get(i as usize)) {
             for lane in 0..WIDTH {
                 let gap = (0..3).map(|a| {
-                    let (low, high) = (node.faces[2 * a][lane], node.faces[2 * a + 1][lane]);
+                    let face = |side: usize| node.faces[a][side][lane / 4][lane % 4];
+                    let (low, high) = (face(0), face(1));
                     (low - center[a]).max(center[a] - high).max(0.0)
                 });
                 if gap.map(|g| g * g).sum::<f32>() <= limit {
@@ -296,37 +299,36 @@ impl Bvh {
 /// top. Returns the stack's new length.
 #[inline]
 fn push_hits(node: &Node, ray: &NodeRay, limit: f32, stack: &mut [Entry], mut len: usize) -> usize {
-    let mut near = [0.0f32; WIDTH];
-    let mut far = [limit; WIDTH];
+    let mut near = [Vec4::ZERO; WIDTH / 4];
+    let mut far = [Vec4::splat(limit); WIDTH / 4];
     for axis in 0..3 {
-        let first = &node.faces[ray.near[axis]];
-        let last = &node.faces[ray.far[axis]];
-        for lane in 0..WIDTH {
-            let enter = (first[lane] - ray.origin[axis]) * ray.inverse[axis];
-            let exit = (last[lane] - ray.origin[axis]) * ray.inverse[axis];
-            near[lane] = if enter > near[lane] {
-                enter
-            } else {
-                near[lane]
-            };
-            far[lane] = if exit < far[lane] { exit } else { far[lane] };
+        let origin = Vec4::splat(ray.origin[axis]);
+        let inverse = Vec4::splat(ray.inverse[axis]);
+        let first = &node.faces[axis][usize::from(ray.backward[axis])];
+        let last = &node.faces[axis][usize::from(!ray.backward[axis])];
+        for half in 0..WIDTH / 4 {
+            // All finite: the order of arguments does not matter.
+            near[half] = near[half].max((first[half] - origin) * inverse);
+            far[half] = far[half].min((last[half] - origin) * inverse);
         }
     }
+    let mut hits = near[0].cmple(far[0]).bitmask() | near[1].cmple(far[1]).bitmask() << 4;
+    let near = [near[0].to_array(), near[1].to_array()];
     let base = len;
-    for lane in 0..WIDTH {
-        if near[lane] <= far[lane] {
-            let entry = Entry {
-                t: near[lane],
-                child: node.children[lane],
-            };
-            let mut at = len;
-            while at > base && stack[at - 1].t < entry.t {
-                stack[at] = stack[at - 1];
-                at -= 1;
-            }
-            stack[at] = entry;
-            len += 1;
+    while hits != 0 {
+        let lane = hits.trailing_zeros() as usize % WIDTH;
+        hits &= hits - 1;
+        let entry = Entry {
+            t: near[lane / 4][lane % 4],
+            child: node.children[lane],
+        };
+        let mut at = len;
+        while at > base && stack[at - 1].t < entry.t {
+            stack[at] = stack[at - 1];
+            at -= 1;
         }
+        stack[at] = entry;
+        len += 1;
     }
     len
 }
@@ -390,8 +392,7 @@ impl NodeSpace {
         Some(NodeRay {
             origin: o.to_array().map(|x| x as f32),
             inverse: d.to_array().map(inverse_f32),
-            near: std::array::from_fn(|i| 2 * i + usize::from(d[i].is_sign_negative())),
-            far: std::array::from_fn(|i| 2 * i + usize::from(d[i].is_sign_positive())),
+            backward: d.to_array().map(f64::is_sign_negative),
             per_t,
             advanced,
         })
@@ -454,15 +455,90 @@ fn open(binary: &Bvh2, node: u32) -> Vec<u32> {
 fn stack_need(nodes: &[Node]) -> usize {
     let mut need = vec![0usize; nodes.len()];
     for (i, node) in nodes.iter().enumerate().rev() {
-        let used = (0..WIDTH).filter(|&lane| node.faces[0][lane] <= node.faces[1][lane]);
         let (mut count, mut below) = (0, 0);
-        for lane in used {
+        for child in node.used() {
             count += 1;
-            if node.children[lane] & LEAF == 0 {
-                below = below.max(need[node.children[lane] as usize]);
+            if child & LEAF == 0 {
+                below = below.max(need[child as usize]);
             }
         }
         need[i] = count + below;
     }
     need[0]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Nested boxes that shrink towards a corner make a tree about as deep
+    /// as there are boxes: the walk must then allocate its stack, and still
+    /// see everything.
+    #[test]
+    fn very_deep_trees() {
+        let side = |i: usize| libm::exp2(-(i as f64) / 2.0);
+        let bounds = |i: usize| Aabb {
+            min: DVec3::ZERO,
+            max: DVec3::splat(side(i)),
+        };
+        let (bvh, order) = Bvh::build(2000, 1, bounds);
+        assert!(bvh.stack_need > STACK, "deep: {}", bvh.stack_need);
+        let mut seen = vec![false; 2000];
+        let see_all = |slots: Range<usize>, t: f64| {
+            slots.for_each(|slot| seen[order[slot] as usize] = true);
+            t
+        };
+        let t = bvh.closest(DVec3::splat(-1.0), DVec3::ONE, f64::INFINITY, see_all);
+        assert_eq!(t, f64::INFINITY, "nothing was found");
+        assert!(seen.iter().all(|&s| s), "every box lies on the diagonal");
+    }
+
+    /// Every slot is in exactly one leaf, and every primitive in one slot.
+    #[test]
+    fn leaves_partition_the_primitives() {
+        let place = |i: usize| {
+            let x = i as f64;
+            DVec3::new(
+                (x * 0.618).fract(),
+                (x * 0.414).fract(),
+                (x * 0.732).fract(),
+            )
+        };
+        for count in [1, 2, 7, 8, 9, 1000] {
+            let (bvh, order) = Bvh::build(count, 4, |i| Aabb::around([place(i), place(i) * 1.01]));
+            let mut sorted = order.clone();
+            sorted.sort_unstable();
+            assert!(sorted.iter().copied().eq(0..count as u32), "{count}");
+            let mut covered = 0;
+            for child in bvh.nodes.iter().flat_map(Node::used) {
+                if child & LEAF != 0 {
+                    covered += (child >> COUNT_SHIFT & 7) as usize + 1;
+                }
+            }
+            assert_eq!(covered, count);
+        }
+    }
+
+    /// The limit never falls below the `t` it stands for.
+    #[test]
+    fn limits_are_rounded_up() {
+        let (bvh, _) = Bvh::build(1, 1, |_| {
+            Aabb::around([DVec3::splat(0.7), DVec3::splat(1.9)])
+        });
+        for (origin, dir) in [(-3e5, 0.3), (0.0, 1e-8), (1.0, 7e9)] {
+            let origin = DVec3::splat(origin);
+            let ray = bvh
+                .space
+                .enter(origin, DVec3::splat(dir), f64::INFINITY)
+                .unwrap();
+            for k in 1..50 {
+                let t = (f64::from(k) / 37.0 + 0.7 - origin.x) / dir;
+                assert!(
+                    f64::from(ray.limit(t)) >= t * ray.per_t - ray.advanced,
+                    "{t}"
+                );
+            }
+            assert_eq!(ray.limit(f64::INFINITY), f32::INFINITY);
+        }
+    }
 }

@@ -60,9 +60,9 @@ impl Report {
 
     fn explain(&self, place: NodeId, code: &RonError) -> Diagnostic {
         match code {
-            RonError::NoSuchStructField { expected, found, .. } => {
-                self.unknown_field(self.holder_of(place, found), expected)
-            }
+            RonError::NoSuchStructField {
+                expected, found, ..
+            } => self.unknown_field(self.holder_of(place, found), expected),
             RonError::DuplicateStructField { field, .. } => {
                 let place = self.holder_of(place, field);
                 self.about_key(place, format!("`{field}` is given twice"))
@@ -70,7 +70,11 @@ impl Report {
                     .with_help("remove one of the two")
             }
             RonError::MissingStructField { field, .. } => self.missing_field(place, field),
-            RonError::NoSuchEnumVariant { expected, found, outer } => {
+            RonError::NoSuchEnumVariant {
+                expected,
+                found,
+                outer,
+            } => {
                 let kind = outer.as_deref().unwrap_or("name");
                 let label = format!("expected one of {}", list(expected));
                 let diagnostic = self
@@ -105,7 +109,9 @@ impl Report {
     /// Errors about a field may carry the path of the struct or of the field
     /// itself; this is the field.
     fn holder_of(&self, place: NodeId, field: &str) -> NodeId {
-        self.outline.field(self.text(), place, field).unwrap_or(place)
+        self.outline
+            .field(self.text(), place, field)
+            .unwrap_or(place)
     }
 
     /// Whether a value should start with a name but doesn't.
@@ -114,7 +120,10 @@ impl Report {
     }
 
     pub(super) fn unknown_field(&self, field: NodeId, expected: &[&str]) -> Diagnostic {
-        let key = self.outline.key_text(self.text(), field).unwrap_or_default();
+        let key = self
+            .outline
+            .key_text(self.text(), field)
+            .unwrap_or_default();
         let owner = self.owner(field);
         let diagnostic = self
             .about_key(field, format!("unknown field `{}`{owner}", short(key)))
@@ -126,7 +135,8 @@ impl Report {
     fn owner(&self, field: NodeId) -> String {
         let parent = self.outline.parent(field);
         let name = parent.and_then(|p| self.outline.name(p));
-        name.map(|n| format!(" in `{}`", short(&self.text()[n]))).unwrap_or_default()
+        name.map(|n| format!(" in `{}`", short(&self.text()[n])))
+            .unwrap_or_default()
     }
 
     pub(super) fn missing_field(&self, place: NodeId, field: &str) -> Diagnostic {
@@ -159,7 +169,10 @@ impl Report {
             }
             (Kind::Number, _) => format!("`{}` is not a number that fits here", short(found)),
             (Kind::Name, RonError::ExpectedString) => {
-                format!("expected a text in double quotes, found the name `{}`", short(found))
+                format!(
+                    "expected a text in double quotes, found the name `{}`",
+                    short(found)
+                )
             }
             (_, RonError::InvalidValueForType { expected, .. }) => {
                 format!("expected {expected}, found {}", kind.words())
@@ -212,8 +225,11 @@ pub(super) fn suggest(diagnostic: Diagnostic, written: &str, known: &[&str]) -> 
 /// `a`, `b` or `c` in words; long lists are cut.
 pub(super) fn list(names: &[&str]) -> String {
     const SHOWN: usize = 12;
-    let quoted: Vec<String> =
-        names.iter().take(SHOWN).map(|name| format!("`{}`", short(name))).collect();
+    let quoted: Vec<String> = names
+        .iter()
+        .take(SHOWN)
+        .map(|name| format!("`{}`", short(name)))
+        .collect();
     let more = if names.len() > SHOWN { ", ..." } else { "" };
     quoted.join(", ") + more
 }

@@ -71,7 +71,11 @@ impl Diagnostic {
     /// A mistake in a binary file, after `offset` bytes.
     pub fn at_byte(file: impl Into<String>, offset: usize, message: impl Into<String>) -> Self {
         let place = Place::Byte { offset };
-        Self { place, span: offset..offset, ..Self::of_file(file, message) }
+        Self {
+            place,
+            span: offset..offset,
+            ..Self::of_file(file, message)
+        }
     }
 
     /// A mistake at a span of a text; only the span's first line is marked.
@@ -80,7 +84,11 @@ impl Diagnostic {
         let line_span = source.line_span(span.start);
         Self {
             place: Place::Text { line, column },
-            excerpt: Some(excerpt(&source.text()[line_span.clone()], line_span.start, &span)),
+            excerpt: Some(excerpt(
+                &source.text()[line_span.clone()],
+                line_span.start,
+                &span,
+            )),
             span,
             ..Self::of_file(source.name(), message)
         }
@@ -136,19 +144,27 @@ impl Diagnostic {
 
     /// The diagnostic as a few lines of text, with terminal colours or not.
     pub fn render(&self, colour: bool) -> String {
-        let renderer = if colour { Renderer::styled() } else { Renderer::plain() };
+        let renderer = if colour {
+            Renderer::styled()
+        } else {
+            Renderer::plain()
+        };
         let mut parts: Vec<Element<'_>> = Vec::new();
         let origin = match self.place {
-            Place::Text { line, column } => {
-                Origin::path(&self.file).line(line).char_column(column)
-            }
+            Place::Text { line, column } => Origin::path(&self.file).line(line).char_column(column),
             Place::File | Place::Byte { .. } => Origin::path(self.location()),
         };
         parts.push(origin.into());
         if let (Some((text, mark)), Place::Text { line, .. }) = (&self.excerpt, self.place) {
             let label = (!self.label.is_empty()).then_some(self.label.as_str());
             let mark = AnnotationKind::Primary.span(mark.clone()).label(label);
-            parts.push(Snippet::source(text).line_start(line).fold(false).annotation(mark).into());
+            parts.push(
+                Snippet::source(text)
+                    .line_start(line)
+                    .fold(false)
+                    .annotation(mark)
+                    .into(),
+            );
         } else if !self.label.is_empty() {
             parts.push(Level::NOTE.message(self.label.as_str()).into());
         }
@@ -158,7 +174,9 @@ impl Diagnostic {
         if let Some(help) = &self.help {
             parts.push(Level::HELP.message(help.as_str()).into());
         }
-        renderer.render(&[Level::ERROR.primary_title(self.message.as_str()).elements(parts)])
+        renderer.render(&[Level::ERROR
+            .primary_title(self.message.as_str())
+            .elements(parts)])
     }
 }
 
@@ -175,7 +193,10 @@ fn excerpt(line: &str, start: usize, span: &Range<usize>) -> (String, Range<usiz
     let lead = if window > 0 { "... " } else { "" };
     let tail = if end < line.len() { " ..." } else { "" };
     let shift = |at: usize| at.min(end) - window + lead.len();
-    (format!("{lead}{}{tail}", &line[window..end]), shift(from)..shift(to))
+    (
+        format!("{lead}{}{tail}", &line[window..end]),
+        shift(from)..shift(to),
+    )
 }
 
 /// All mistakes found in a scene and the files it names, in the order in
@@ -222,7 +243,12 @@ impl Diagnostics {
     /// The first twenty mistakes in full, and how many more there are; with
     /// terminal colours or not.
     pub fn render(&self, colour: bool) -> String {
-        let shown: Vec<String> = self.list.iter().take(SHOWN).map(|d| d.render(colour)).collect();
+        let shown: Vec<String> = self
+            .list
+            .iter()
+            .take(SHOWN)
+            .map(|d| d.render(colour))
+            .collect();
         let mut text = shown.join("\n\n");
         let more = self.len().saturating_sub(SHOWN);
         if more > 0 {
@@ -242,7 +268,10 @@ impl<'a> IntoIterator for &'a Diagnostics {
 
 impl From<Diagnostic> for Diagnostics {
     fn from(diagnostic: Diagnostic) -> Self {
-        Self { list: vec![diagnostic], dropped: 0 }
+        Self {
+            list: vec![diagnostic],
+            dropped: 0,
+        }
     }
 }
 
@@ -268,7 +297,12 @@ mod tests {
     #[test]
     fn a_rendered_mistake_shows_place_caret_expectation_and_remedy() {
         let text = sample().render(false);
-        for part in ["a.ron:2:11", "radius: -1", "^^ expected a length above 0", "help: write 1"] {
+        for part in [
+            "a.ron:2:11",
+            "radius: -1",
+            "^^ expected a length above 0",
+            "help: write 1",
+        ] {
             assert!(text.contains(part), "{part:?} is missing in\n{text}");
         }
     }
@@ -281,9 +315,15 @@ mod tests {
 
     #[test]
     fn long_lines_are_cut_around_the_mistake() {
-        let source = Source::new("a.ron", format!("{}BAD{}", "é".repeat(4000), "x".repeat(4000)));
+        let source = Source::new(
+            "a.ron",
+            format!("{}BAD{}", "é".repeat(4000), "x".repeat(4000)),
+        );
         let text = Diagnostic::in_text(&source, 8000..8003, "bad").render(false);
-        assert!(text.contains("BAD") && text.contains("a.ron:1:4001"), "{text}");
+        assert!(
+            text.contains("BAD") && text.contains("a.ron:1:4001"),
+            "{text}"
+        );
         assert!(text.len() < 1000);
     }
 

@@ -42,12 +42,20 @@ pub(super) fn waves(waves: &Waves) -> MeshData {
             normals.push(DVec3::new(-dx, -dy, 1.0).normalize());
         }
     }
-    MeshData { vertices, normals: Some(normals), triangles: grid_triangles([nx, ny], [false; 2]) }
+    MeshData {
+        vertices,
+        normals: Some(normals),
+        triangles: grid_triangles([nx, ny], [false; 2]),
+    }
 }
 
 /// Line `i` of `n + 1` evenly spaced ones, both ends exact.
 fn grid_line([from, to]: [f64; 2], i: usize, n: usize) -> f64 {
-    if i == n { to } else { from + i as f64 * ((to - from) / n as f64) }
+    if i == n {
+        to
+    } else {
+        from + i as f64 * ((to - from) / n as f64)
+    }
 }
 
 /// Triangles of a torus knot.
@@ -62,7 +70,9 @@ pub(super) fn knot_triangles(knot: &TorusKnot) -> u64 {
 /// exact: radial. Vertices run around the tube first.
 pub(super) fn torus_knot(knot: &TorusKnot) -> MeshData {
     let [nt, nu] = [knot.segments, knot.sides].map(|n| n as usize);
-    let around: Vec<(f64, f64)> = (0..nu).map(|k| sin_cos(k as f64 / nu as f64 * TAU)).collect();
+    let around: Vec<(f64, f64)> = (0..nu)
+        .map(|k| sin_cos(k as f64 / nu as f64 * TAU))
+        .collect();
     let mut vertices = Vec::with_capacity(nt * nu);
     let mut normals = Vec::with_capacity(nt * nu);
     for k in 0..nt {
@@ -79,7 +89,11 @@ pub(super) fn torus_knot(knot: &TorusKnot) -> MeshData {
             t.reverse();
         }
     }
-    MeshData { vertices, normals: Some(normals), triangles }
+    MeshData {
+        vertices,
+        normals: Some(normals),
+        triangles,
+    }
 }
 
 /// A point of the curve and two directions that span its normal plane.
@@ -151,14 +165,23 @@ mod tests {
     fn check(mesh: &MeshData, truth: &Truth, tolerance: f64) {
         let normals = mesh.normals.as_ref().unwrap();
         for (i, p, n) in truth.samples {
-            assert!((mesh.vertices[i] - DVec3::from(p)).length() < tolerance, "vertex {i}");
-            assert!((normals[i] - DVec3::from(n)).length() < tolerance, "normal {i}");
+            assert!(
+                (mesh.vertices[i] - DVec3::from(p)).length() < tolerance,
+                "vertex {i}"
+            );
+            assert!(
+                (normals[i] - DVec3::from(n)).length() < tolerance,
+                "normal {i}"
+            );
         }
         for (i, corners) in truth.corners {
             assert_eq!(mesh.triangles[i], corners, "triangle {i}");
         }
         let weighted = |list: &[DVec3]| -> DVec3 {
-            list.iter().enumerate().map(|(i, v)| *v * ((7 * i % 11) as f64)).sum()
+            list.iter()
+                .enumerate()
+                .map(|(i, v)| *v * ((7 * i % 11) as f64))
+                .sum()
         };
         let slack = tolerance * 5.0 * mesh.vertices.len() as f64;
         let off = weighted(&mesh.vertices) - DVec3::from(truth.position_sum);
@@ -229,13 +252,20 @@ mod tests {
 
     #[test]
     fn the_knot_equals_its_definition() {
-        let knot = TorusKnot { center: Triple([0.0, 0.0, 0.55]), ..TorusKnot::default() };
+        let knot = TorusKnot {
+            center: Triple([0.0, 0.0, 0.55]),
+            ..TorusKnot::default()
+        };
         let truth = Truth {
             samples: [
                 (
                     1,
                     [0.9592777090008295, 0.007564410435885916, 0.5373926493575725],
-                    [0.9951847266721969, 0.050429402905906105, -0.08404900428285016],
+                    [
+                        0.9951847266721969,
+                        0.050429402905906105,
+                        -0.08404900428285016,
+                    ],
                 ),
                 (
                     777,
@@ -244,8 +274,16 @@ mod tests {
                 ),
                 (
                     65535,
-                    [0.9592781889652453, -0.019135655587760703, 0.5540149115061318],
-                    [0.9958994663087232, -0.06130847274841232, 0.06652461330408123],
+                    [
+                        0.9592781889652453,
+                        -0.019135655587760703,
+                        0.5540149115061318,
+                    ],
+                    [
+                        0.9958994663087232,
+                        -0.06130847274841232,
+                        0.06652461330408123,
+                    ],
                 ),
             ],
             corners: [
@@ -254,7 +292,11 @@ mod tests {
                 (65536, [0, 65, 64]),
                 (131_071, [65535, 0, 63]),
             ],
-            position_sum: [-1.9083852892293116, 0.034201700183593135, 180222.87069689366],
+            position_sum: [
+                -1.9083852892293116,
+                0.034201700183593135,
+                180222.87069689366,
+            ],
             normal_sum: [-1.923278808726956, 0.16178127469176518, -0.2350990935124882],
             corner_sum: 23_903_266_158_955,
         };
@@ -266,17 +308,29 @@ mod tests {
     #[test]
     fn knots_are_wound_outward_for_all_turns() {
         for (p, q) in [(2, 3), (3, 2), (1, 5), (5, 4)] {
-            let knot = TorusKnot { p, q, segments: 64, sides: 8, ..TorusKnot::default() };
+            let knot = TorusKnot {
+                p,
+                q,
+                segments: 64,
+                sides: 8,
+                ..TorusKnot::default()
+            };
             let mesh = torus_knot(&knot);
             assert_eq!(mesh.triangles.len() as u64, knot_triangles(&knot));
             let normals = mesh.normals.as_ref().unwrap();
-            assert!(!points_inward(&mesh.vertices, normals, &mesh.triangles), "({p}, {q})");
+            assert!(
+                !points_inward(&mesh.vertices, normals, &mesh.triangles),
+                "({p}, {q})"
+            );
         }
     }
 
     #[test]
     fn grids_may_be_oblong() {
-        let mesh = waves(&Waves { cells: Cells([2, 1]), ..pool(1) });
+        let mesh = waves(&Waves {
+            cells: Cells([2, 1]),
+            ..pool(1)
+        });
         assert_eq!(mesh.vertices.len(), 6);
         assert_eq!(mesh.triangles, [[0, 1, 4], [1, 2, 5], [0, 4, 3], [1, 5, 4]]);
         assert_eq!(mesh.vertices[5].truncate(), glam::DVec2::new(1.5, 1.5));

@@ -7,8 +7,7 @@
 use std::{fs::File, io::Read, path::Path};
 
 use super::{
-    Scene,
-    build,
+    Scene, build,
     decode::{options, suggest},
     description::{Description, MaterialChoice, MeshSource, ObjectDescription, Part},
     diagnostics::{Diagnostic, Diagnostics},
@@ -63,7 +62,10 @@ pub fn load_str(text: &str, file_name: &str, base_dir: &Path) -> Result<Scene, D
 }
 
 fn too_large() -> String {
-    format!("the scene file is larger than {} MiB; put meshes into files of their own", MAX_SCENE_BYTES >> 20)
+    format!(
+        "the scene file is larger than {} MiB; put meshes into files of their own",
+        MAX_SCENE_BYTES >> 20
+    )
 }
 
 /// The text of a regular file of bounded size.
@@ -81,7 +83,9 @@ fn read_text(path: &Path) -> Result<String, String> {
     }
     let mut bytes = Vec::new();
     let file = File::open(path).map_err(unreadable)?;
-    file.take(MAX_SCENE_BYTES + 1).read_to_end(&mut bytes).map_err(unreadable)?;
+    file.take(MAX_SCENE_BYTES + 1)
+        .read_to_end(&mut bytes)
+        .map_err(unreadable)?;
     if bytes.len() as u64 > MAX_SCENE_BYTES {
         return Err(too_large());
     }
@@ -91,8 +95,15 @@ fn read_text(path: &Path) -> Result<String, String> {
     })
 }
 
-const SECTIONS: [&str; 7] =
-    ["camera", "image", "materials", "meshes", "objects", "lights", "render"];
+const SECTIONS: [&str; 7] = [
+    "camera",
+    "image",
+    "materials",
+    "meshes",
+    "objects",
+    "lights",
+    "render",
+];
 
 /// Reads all parts of a scene; what cannot be read is reported.
 fn read_description(report: &mut Report) -> Description {
@@ -136,8 +147,12 @@ fn read_description(report: &mut Report) -> Description {
 }
 
 fn check_extensions(report: &mut Report) {
-    const KNOWN: [&str; 4] =
-        ["implicit_some", "unwrap_newtypes", "unwrap_variant_newtypes", "explicit_struct_names"];
+    const KNOWN: [&str; 4] = [
+        "implicit_some",
+        "unwrap_newtypes",
+        "unwrap_variant_newtypes",
+        "explicit_struct_names",
+    ];
     for span in report.outline.extensions().to_vec() {
         let name = report.text()[span.clone()].to_owned();
         if !KNOWN.contains(&name.as_str()) {
@@ -221,7 +236,10 @@ fn entries(report: &mut Report, map: Option<NodeId>) -> Vec<(String, NodeId)> {
             continue;
         };
         if !seen.insert(name.clone()) {
-            let message = format!("the name \"{}\" is given twice", super::decode::short(&name));
+            let message = format!(
+                "the name \"{}\" is given twice",
+                super::decode::short(&name)
+            );
             let diagnostic = report
                 .about_key(child, message)
                 .with_label("given before")
@@ -256,11 +274,19 @@ fn read_mesh_source(report: &mut Report, node: NodeId) -> Option<MeshSource> {
 }
 
 fn read_object(report: &mut Report, node: NodeId) -> ObjectDescription {
-    let mut object =
-        ObjectDescription { name: None, shape: None, material: None, at: None, open: false };
+    let mut object = ObjectDescription {
+        name: None,
+        shape: None,
+        material: None,
+        at: None,
+        open: false,
+    };
     if report.outline.kind(node) != Kind::Struct || report.outline.name(node).is_some() {
         let diagnostic = report
-            .about_head(node, "an object is a group of fields without a name in front")
+            .about_head(
+                node,
+                "an object is a group of fields without a name in front",
+            )
             .with_label("expected `(shape: .., material: ..)`");
         report.push(diagnostic);
         return object;
@@ -294,6 +320,9 @@ fn read_placement(
     } else {
         vec![node]
     };
-    let value = steps.into_iter().filter_map(|step| part(report, step)).collect();
+    let value = steps
+        .into_iter()
+        .filter_map(|step| part(report, step))
+        .collect();
     Part { node, value }
 }

@@ -20,7 +20,10 @@ mod load;
 pub mod mesh_file;
 pub mod outline;
 mod report;
-#[allow(clippy::module_inception, reason = "the scene itself, beside how it is made")]
+#[allow(
+    clippy::module_inception,
+    reason = "the scene itself, beside how it is made"
+)]
 mod scene;
 mod settings;
 pub mod source;

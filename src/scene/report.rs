@@ -17,7 +17,11 @@ pub(super) struct Report {
 
 impl Report {
     pub(super) fn new(source: Source, outline: Outline) -> Self {
-        Self { source, outline, diagnostics: Diagnostics::default() }
+        Self {
+            source,
+            outline,
+            diagnostics: Diagnostics::default(),
+        }
     }
 
     pub(super) fn text(&self) -> &str {
@@ -34,7 +38,11 @@ impl Report {
     pub(super) fn about(&self, node: NodeId, message: impl Into<String>) -> Diagnostic {
         let span = self.outline.span(node);
         let multiline = self.text()[span.clone()].contains('\n');
-        let mark = if multiline { self.outline.head(node) } else { span };
+        let mark = if multiline {
+            self.outline.head(node)
+        } else {
+            span
+        };
         self.noted(node, Diagnostic::in_text(&self.source, mark, message))
     }
 
@@ -46,7 +54,10 @@ impl Report {
 
     /// A message about a field's key.
     pub(super) fn about_key(&self, node: NodeId, message: impl Into<String>) -> Diagnostic {
-        let mark = self.outline.key(node).unwrap_or_else(|| self.outline.head(node));
+        let mark = self
+            .outline
+            .key(node)
+            .unwrap_or_else(|| self.outline.head(node));
         self.noted(node, Diagnostic::in_text(&self.source, mark, message))
     }
 

@@ -23,8 +23,14 @@ impl Source {
     /// A file of the given name and text. Texts of 4 GiB and more are beyond
     /// the limits of every reader in this room.
     pub fn new(name: impl Into<String>, text: impl Into<String>) -> Self {
-        let inner = Inner { name: name.into(), text: text.into(), line_starts: OnceLock::new() };
-        Self { inner: Arc::new(inner) }
+        let inner = Inner {
+            name: name.into(),
+            text: text.into(),
+            line_starts: OnceLock::new(),
+        };
+        Self {
+            inner: Arc::new(inner),
+        }
     }
 
     /// The file's name as the user would write it.
@@ -43,26 +49,40 @@ impl Source {
         let line = self.line_index(offset);
         let start = self.line_starts()[line] as usize;
         let end = floor_char_boundary(self.text(), offset);
-        (line + 1, self.text()[start..end.max(start)].chars().count() + 1)
+        (
+            line + 1,
+            self.text()[start..end.max(start)].chars().count() + 1,
+        )
     }
 
     /// Byte range of the line that holds an offset, without its line break.
     pub fn line_span(&self, offset: usize) -> Range<usize> {
         let line = self.line_index(offset);
         let start = self.line_starts()[line] as usize;
-        let end = self.line_starts().get(line + 1).map_or(self.text().len(), |&e| e as usize - 1);
-        let end = if end > start && self.text().as_bytes()[end - 1] == b'\r' { end - 1 } else { end };
+        let end = self
+            .line_starts()
+            .get(line + 1)
+            .map_or(self.text().len(), |&e| e as usize - 1);
+        let end = if end > start && self.text().as_bytes()[end - 1] == b'\r' {
+            end - 1
+        } else {
+            end
+        };
         start..end
     }
 
     fn line_index(&self, offset: usize) -> usize {
-        self.line_starts().partition_point(|&start| start as usize <= offset) - 1
+        self.line_starts()
+            .partition_point(|&start| start as usize <= offset)
+            - 1
     }
 
     fn line_starts(&self) -> &[u32] {
         self.inner.line_starts.get_or_init(|| {
             let breaks = self.text().bytes().enumerate().filter(|&(_, b)| b == b'\n');
-            std::iter::once(0).chain(breaks.map(|(i, _)| i as u32 + 1)).collect()
+            std::iter::once(0)
+                .chain(breaks.map(|(i, _)| i as u32 + 1))
+                .collect()
         })
     }
 }

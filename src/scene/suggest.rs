@@ -5,7 +5,10 @@ const LONGEST: usize = 64;
 
 /// The known name closest to `written`, if it is close enough to be a likely
 /// slip: at most a third of its letters changed, at least one allowed.
-pub(super) fn nearest<'a>(written: &str, known: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
+pub(super) fn nearest<'a>(
+    written: &str,
+    known: impl IntoIterator<Item = &'a str>,
+) -> Option<&'a str> {
     let length = written.chars().count();
     if length == 0 || length > LONGEST {
         return None;

@@ -52,7 +52,10 @@ impl Summary {
             if object.light.is_none() {
                 summary.objects += 1;
                 summary.casters += usize::from(object.material.casts_caustics());
-                *summary.materials.entry(material_kind(&object.material)).or_default() += 1;
+                *summary
+                    .materials
+                    .entry(material_kind(&object.material))
+                    .or_default() += 1;
             }
         }
         for light in &scene.lights {
@@ -95,7 +98,10 @@ fn counted(kinds: &BTreeMap<&'static str, usize>) -> String {
     if total == 0 {
         return "none".to_owned();
     }
-    let parts: Vec<String> = kinds.iter().map(|(kind, n)| format!("{n} {kind}")).collect();
+    let parts: Vec<String> = kinds
+        .iter()
+        .map(|(kind, n)| format!("{n} {kind}"))
+        .collect();
     format!("{total} ({})", parts.join(", "))
 }
 

@@ -111,7 +111,9 @@ impl Sphere {
 pub(super) fn crossings(a: f64, h: f64, closest: f64, start: f64, r: f64) -> Option<(f64, f64)> {
     let discriminant = a * ((r - closest) * (r + closest));
     let k = (start - r) * (start + r);
-    match quadratic_with_discriminant(a, h, k, discriminant) {
+    // The sign of a zero `h` chooses how the roots are rounded: adding zero
+    // makes both signs the same, so that -0 in a direction changes nothing.
+    match quadratic_with_discriminant(a, h + 0.0, k, discriminant) {
         Roots::Two(near, far) => Some((near, far)),
         Roots::None | Roots::One(_) => None,
     }

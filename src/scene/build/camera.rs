@@ -46,23 +46,35 @@ impl Builder<'_> {
                     format!("the image's {key} is too large")
                 };
                 let label = format!("expected 1 to {MAX_SIDE} pixels");
-                good = self.report.reject(place, message, label, "such as 800").unwrap_or(false);
+                good = self
+                    .report
+                    .reject(place, message, label, "such as 800")
+                    .unwrap_or(false);
             }
         }
         let pixels = u64::from(value.width) * u64::from(value.height);
         if good && pixels > MAX_PIXELS {
             let label = format!("expected at most {MAX_PIXELS} pixels");
             let message = format!("an image of {pixels} pixels");
-            good = self.report.reject(*node, message, label, "make it smaller").unwrap_or(false);
+            good = self
+                .report
+                .reject(*node, message, label, "make it smaller")
+                .unwrap_or(false);
         }
         if value.exposure.is_some_and(|e| e.0.abs() > MAX_STOPS) {
             let place = self.report.field(*node, "exposure");
             let label = format!("expected -{MAX_STOPS} to {MAX_STOPS} stops");
             let help = "a stop is a factor of two";
-            good = self.report.reject(place, "an exposure out of range", label, help).unwrap_or(false);
+            good = self
+                .report
+                .reject(place, "an exposure out of range", label, help)
+                .unwrap_or(false);
         }
         let resolution = [value.width, value.height];
-        good.then_some(Image { resolution, exposure: value.exposure.map(|e| e.0) })
+        good.then_some(Image {
+            resolution,
+            exposure: value.exposure.map(|e| e.0),
+        })
     }
 
     pub(super) fn camera(&mut self, resolution: [u32; 2]) -> Option<Camera> {
@@ -92,7 +104,8 @@ impl Builder<'_> {
         let place = self.report.field(node, "fov");
         let label = "expected an angle between 0 and 180 degrees";
         let help = "`fov` is the vertical angle from edge to edge, such as 45";
-        self.report.reject(place, "a field of view that no camera has", label, help)
+        self.report
+            .reject(place, "a field of view that no camera has", label, help)
     }
 
     /// The eye looks somewhere, and `up` says which way is up.
@@ -106,24 +119,44 @@ impl Builder<'_> {
         let Some(forward) = unit(view) else {
             let place = self.report.field(node, "look_at");
             let help = "move one of them";
-            return self.report.reject(place, "`look_at` is where the eye is", "same as `eye`", help);
+            return self.report.reject(
+                place,
+                "`look_at` is where the eye is",
+                "same as `eye`",
+                help,
+            );
         };
         // Two roundings per product and the difference of two, on unit
         // vectors with three roundings each.
         if forward.cross(up).length() <= gamma(16) {
             let has_up = self.report.field(node, "up") != node;
-            let place = self.report.field(node, if has_up { "up" } else { "look_at" });
-            let other = if up.x == 0.0 && up.y == 0.0 { "(0, 1, 0)" } else { "(0, 0, 1)" };
+            let place = self
+                .report
+                .field(node, if has_up { "up" } else { "look_at" });
+            let other = if up.x == 0.0 && up.y == 0.0 {
+                "(0, 1, 0)"
+            } else {
+                "(0, 0, 1)"
+            };
             let message = "`up` is parallel to the direction of view";
-            let label = if has_up { "expected another direction" } else { "straight along the default `up`" };
+            let label = if has_up {
+                "expected another direction"
+            } else {
+                "straight along the default `up`"
+            };
             let _ = camera;
-            return self.report.reject(place, message, label, format!("write `up: {other}`"));
+            return self
+                .report
+                .reject(place, message, label, format!("write `up: {other}`"));
         }
         Some(())
     }
 
     pub(super) fn settings(&mut self, exposure: Option<f64>) -> Settings {
-        let mut settings = Settings { exposure, ..Settings::default() };
+        let mut settings = Settings {
+            exposure,
+            ..Settings::default()
+        };
         let Some(Part { node, value }) = self.description.render.as_ref() else {
             return settings;
         };
@@ -137,8 +170,10 @@ impl Builder<'_> {
             } else {
                 let place = self.report.field(node, "radius");
                 let label = "expected 0.001 to 1000";
-                let help = "the radius is counted in widths of a pixel; leave it out for the default";
-                self.report.reject::<()>(place, "a kernel radius out of range", label, help);
+                let help =
+                    "the radius is counted in widths of a pixel; leave it out for the default";
+                self.report
+                    .reject::<()>(place, "a kernel radius out of range", label, help);
             }
         }
         if let Some(memory) = &value.memory {
@@ -151,14 +186,19 @@ impl Builder<'_> {
         let counts = [
             ("passes", value.passes.map(u64::from), u64::from(MAX_PASSES)),
             ("photons", value.photons, MAX_PHOTONS),
-            ("max_depth", value.max_depth.map(u64::from), u64::from(MAX_DEPTH)),
+            (
+                "max_depth",
+                value.max_depth.map(u64::from),
+                u64::from(MAX_DEPTH),
+            ),
         ];
         for (key, count, most) in counts {
             if count.is_some_and(|n| n == 0 || n > most) {
                 let place = self.report.field(node, key);
                 let message = format!("`{key}` is out of range");
                 let label = format!("expected 1 to {most}");
-                self.report.reject::<()>(place, message, label, "leave it out for the default");
+                self.report
+                    .reject::<()>(place, message, label, "leave it out for the default");
             }
         }
         settings.passes = value.passes.unwrap_or(settings.passes);
@@ -176,13 +216,20 @@ impl Builder<'_> {
             Some(_) => {
                 let place = self.report.field(node, "memory");
                 let help = "such as \"1 GiB\"";
-                self.report.reject(place, "a memory limit out of range", "expected 1 MiB to 1 PiB", help)
+                self.report.reject(
+                    place,
+                    "a memory limit out of range",
+                    "expected 1 MiB to 1 PiB",
+                    help,
+                )
             }
             None => {
                 let place = self.report.field(node, "memory");
                 let label = "expected a number of bytes, or a number and a unit";
-                let help = "units are B, kB, MB, GB, TB and KiB, MiB, GiB, TiB; such as \"512 MiB\"";
-                self.report.reject(place, "this is not an amount of memory", label, help)
+                let help =
+                    "units are B, kB, MB, GB, TB and KiB, MiB, GiB, TiB; such as \"512 MiB\"";
+                self.report
+                    .reject(place, "this is not an amount of memory", label, help)
             }
         }
     }
@@ -191,7 +238,9 @@ impl Builder<'_> {
 /// Bytes of `"512 MiB"`; case and spaces don't matter.
 fn parse_memory(text: &str) -> Option<f64> {
     let text = text.trim();
-    let split = text.find(|c: char| c.is_ascii_alphabetic()).unwrap_or(text.len());
+    let split = text
+        .find(|c: char| c.is_ascii_alphabetic())
+        .unwrap_or(text.len());
     let number: f64 = text[..split].trim().parse().ok()?;
     let unit = match text[split..].to_ascii_lowercase().as_str() {
         "" | "b" => 1.0,

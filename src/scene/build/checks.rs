@@ -47,10 +47,20 @@ impl Report {
             return self.reject(place, format!("negative {key}"), label, help);
         }
         if v == 0.0 {
-            return self.reject(place, format!("the {key} is zero"), label, "lengths are above 0");
+            return self.reject(
+                place,
+                format!("the {key} is zero"),
+                label,
+                "lengths are above 0",
+            );
         }
         let size = if v < MIN_LENGTH { "small" } else { "large" };
-        self.reject(place, format!("the {key} is too {size}"), label, "lengths are in metres")
+        self.reject(
+            place,
+            format!("the {key} is too {size}"),
+            label,
+            "lengths are in metres",
+        )
     }
 
     /// A point within the range of the language.
@@ -66,7 +76,12 @@ impl Report {
             return Some(p);
         }
         let label = format!("expected coordinates up to {MAX_LENGTH:e} metres");
-        self.reject(place, "this point is too far away", label, "lengths are in metres")
+        self.reject(
+            place,
+            "this point is too far away",
+            label,
+            "lengths are in metres",
+        )
     }
 
     /// A unit vector in the direction that is written.
@@ -95,7 +110,12 @@ impl Report {
         } else {
             "a surface that reflects more light than it receives"
         };
-        self.reject(place, message, "expected channels in [0, 1]", "a reflectance is the fraction of the light that is reflected")
+        self.reject(
+            place,
+            message,
+            "expected channels in [0, 1]",
+            "a reflectance is the fraction of the light that is reflected",
+        )
     }
 
     /// The colour of a light: no channel negative, one at least positive.
@@ -104,7 +124,12 @@ impl Report {
         let place = self.field(node, key);
         let label = "expected channels from 0 up, not all 0";
         if c.0.iter().any(|&v| v < 0.0) {
-            return self.reject(place, format!("negative {key}"), label, "light cannot be taken away");
+            return self.reject(
+                place,
+                format!("negative {key}"),
+                label,
+                "light cannot be taken away",
+            );
         }
         if c.is_black() {
             let help = "remove the light, or comment it out";
@@ -159,7 +184,11 @@ pub(super) fn linear(colour: Colour) -> Rgb {
         Colour::Linear([r, g, b]) => Rgb::new(r, g, b),
         Colour::Hex(bytes) => Rgb(bytes.map(|b| {
             let v = f64::from(b) / 255.0;
-            if v <= 0.04045 { v / 12.92 } else { trig::pow((v + 0.055) / 1.055, 2.4) }
+            if v <= 0.04045 {
+                v / 12.92
+            } else {
+                trig::pow((v + 0.055) / 1.055, 2.4)
+            }
         })),
     }
 }
@@ -180,7 +209,10 @@ mod tests {
     fn directions_of_any_length_become_unit() {
         for scale in [1e-300, 1.0, 1e300] {
             let v = unit(DVec3::new(3.0 * scale, 0.0, -4.0 * scale)).unwrap();
-            assert!((v - DVec3::new(0.6, 0.0, -0.8)).length() < 1e-15, "{scale:e}");
+            assert!(
+                (v - DVec3::new(0.6, 0.0, -0.8)).length() < 1e-15,
+                "{scale:e}"
+            );
         }
         assert_eq!(unit(DVec3::ZERO), None);
     }

@@ -11,8 +11,8 @@ use crate::{
     light::{self, Beam, Light, Sun},
     scene::{
         description::{
-            Colour, DirectionalLight, DiscLight, DiscShape, LightDescription, PointLight, QuadLight,
-            SphereLight, SpotLight,
+            Colour, DirectionalLight, DiscLight, DiscShape, LightDescription, PointLight,
+            QuadLight, SphereLight, SpotLight,
         },
         outline::NodeId,
     },
@@ -34,14 +34,20 @@ impl Builder<'_> {
                 continue;
             };
             if let Some((light, shape)) = self.light(part.node, description) {
-                let name = description.name().map_or_else(|| format!("lights[{index}]"), str::to_owned);
+                let name = description
+                    .name()
+                    .map_or_else(|| format!("lights[{index}]"), str::to_owned);
                 list.push(BuiltLight { name, light, shape });
             }
         }
         list
     }
 
-    fn light(&mut self, node: NodeId, description: &LightDescription) -> Option<(Light, Option<Shape>)> {
+    fn light(
+        &mut self,
+        node: NodeId,
+        description: &LightDescription,
+    ) -> Option<(Light, Option<Shape>)> {
         match description {
             LightDescription::Point(l) => self.point_light(node, l).map(|l| (l, None)),
             LightDescription::Spot(l) => self.spot_light(node, l).map(|l| (l, None)),
@@ -75,7 +81,10 @@ impl Builder<'_> {
         let position = self.report.point(node, "position", l.position);
         let (intensity, power) = (("intensity", l.intensity), ("power", l.power));
         let intensity = self.quantity(node, intensity, power, 1.0 / (4.0 * PI));
-        Some(Light::Point(light::PointLight { position: position?, intensity: intensity? }))
+        Some(Light::Point(light::PointLight {
+            position: position?,
+            intensity: intensity?,
+        }))
     }
 
     fn spot_light(&mut self, node: NodeId, l: &SpotLight) -> Option<Light> {
@@ -85,12 +94,21 @@ impl Builder<'_> {
         let (position, axis, (inner, outer)) = (position?, axis?, angles?);
         let unit = light::SpotLight::new(position, axis, inner, outer, Rgb::WHITE);
         let (intensity, power) = (("intensity", l.intensity), ("power", l.power));
-        let intensity = self.quantity(node, intensity, power, 1.0 / unit.effective_solid_angle())?;
+        let intensity =
+            self.quantity(node, intensity, power, 1.0 / unit.effective_solid_angle())?;
         Some(Light::Spot(light::SpotLight { intensity, ..unit }))
     }
 
-    fn spot_axis(&mut self, node: NodeId, l: &SpotLight, position: Option<glam::DVec3>) -> Option<glam::DVec3> {
-        let fields = [("look_at", l.look_at.is_some()), ("direction", l.direction.is_some())];
+    fn spot_axis(
+        &mut self,
+        node: NodeId,
+        l: &SpotLight,
+        position: Option<glam::DVec3>,
+    ) -> Option<glam::DVec3> {
+        let fields = [
+            ("look_at", l.look_at.is_some()),
+            ("direction", l.direction.is_some()),
+        ];
         if self.report.exactly_one(node, &fields)? == 1 {
             return self.report.direction(node, "direction", l.direction?);
         }
@@ -99,7 +117,9 @@ impl Builder<'_> {
         if axis.is_none() {
             let place = self.report.field(node, "look_at");
             let message = "`look_at` is where the light is";
-            return self.report.reject(place, message, "same as `position`", "move one of them");
+            return self
+                .report
+                .reject(place, message, "same as `position`", "move one of them");
         }
         axis
     }
@@ -111,18 +131,27 @@ impl Builder<'_> {
         if !(1e-3..=180.0).contains(&outer) {
             let place = self.report.field(node, "outer");
             let label = "expected a half-angle from 0.001 to 180 degrees";
-            return self.report.reject(place, "an outer angle out of range", label, "such as 30");
+            return self
+                .report
+                .reject(place, "an outer angle out of range", label, "such as 30");
         }
         if inner < 0.0 {
             let place = self.report.field(node, "inner");
             let label = "expected a half-angle from 0 to `outer`";
-            return self.report.reject(place, "a negative inner angle", label, "such as 20");
+            return self
+                .report
+                .reject(place, "a negative inner angle", label, "such as 20");
         }
         if inner > outer {
             let place = self.report.field(node, "inner");
             let label = format!("expected at most `outer`, which is {outer}");
             let help = "light is full up to `inner` and fades to nothing at `outer`; swap the two?";
-            return self.report.reject(place, "the inner angle is larger than the outer one", label, help);
+            return self.report.reject(
+                place,
+                "the inner angle is larger than the outer one",
+                label,
+                help,
+            );
         }
         Some((inner, outer))
     }
@@ -130,21 +159,34 @@ impl Builder<'_> {
     fn directional_light(&mut self, node: NodeId, l: &DirectionalLight) -> Option<Light> {
         let axis = self.report.direction(node, "direction", l.direction);
         let irradiance = self.report.light_colour(node, "irradiance", l.irradiance);
-        let fields = [("beam", l.beam.is_some()), ("angular_diameter", l.angular_diameter.is_some())];
+        let fields = [
+            ("beam", l.beam.is_some()),
+            ("angular_diameter", l.angular_diameter.is_some()),
+        ];
         if self.report.exactly_one(node, &fields)? == 0 {
             let beam = l.beam.as_ref()?;
             let place = self.report.field(node, "beam");
             let center = self.report.point(place, "center", beam.center);
             let radius = self.report.length(place, "radius", beam.radius);
             let (axis, irradiance) = (axis?, irradiance?);
-            return Some(Light::Beam(Beam { center: center?, axis, radius: radius?, irradiance }));
+            return Some(Light::Beam(Beam {
+                center: center?,
+                axis,
+                radius: radius?,
+                irradiance,
+            }));
         }
         let diameter = l.angular_diameter?.0;
         // The sine of half the diameter must stay below 1.
         if !(0.0..=179.9).contains(&diameter) {
             let place = self.report.field(node, "angular_diameter");
             let label = "expected 0 to below 180 degrees";
-            return self.report.reject(place, "an angular diameter out of range", label, "the sun has 0.53");
+            return self.report.reject(
+                place,
+                "an angular diameter out of range",
+                label,
+                "the sun has 0.53",
+            );
         }
         Some(Light::Sun(Sun::new(axis?, diameter, irradiance?)))
     }
@@ -155,7 +197,11 @@ impl Builder<'_> {
         let area = 4.0 * PI * radius.unwrap_or(1.0) * radius.unwrap_or(1.0);
         let radiance = self.radiance(node, l.radiance, l.power, area);
         let (center, radius, radiance) = (center?, radius?, radiance?);
-        let light = Light::Sphere(light::SphereLight { center, radius, radiance });
+        let light = Light::Sphere(light::SphereLight {
+            center,
+            radius,
+            radiance,
+        });
         Some((light, Some(Shape::Sphere(Sphere::new(center, radius)))))
     }
 
@@ -163,23 +209,49 @@ impl Builder<'_> {
         let q = self.quad(node, &l.shape());
         let radiance = self.radiance(node, l.radiance, l.power, q.map_or(1.0, |q| q.area()));
         let (q, radiance) = (q?, radiance?);
-        let light = Light::Quad(light::QuadLight { corner: q.corner, u: q.u, v: q.v, radiance });
+        let light = Light::Quad(light::QuadLight {
+            corner: q.corner,
+            u: q.u,
+            v: q.v,
+            radiance,
+        });
         Some((light, Some(Shape::Quad(Quad::new(q.corner, q.u, q.v)))))
     }
 
     fn disc_light(&mut self, node: NodeId, l: &DiscLight) -> Option<(Light, Option<Shape>)> {
-        let shape = DiscShape { center: l.center, facing: l.facing, normal: l.normal, radius: l.radius };
+        let shape = DiscShape {
+            center: l.center,
+            facing: l.facing,
+            normal: l.normal,
+            radius: l.radius,
+        };
         let d = self.disc(node, &shape);
         let radiance = self.radiance(node, l.radiance, l.power, d.map_or(1.0, |d| d.area()));
         let (d, radiance) = (d?, radiance?);
         let (center, normal, radius) = (d.center, d.normal, d.radius);
-        let light = Light::Disc(light::DiscLight { center, normal, radius, radiance });
+        let light = Light::Disc(light::DiscLight {
+            center,
+            normal,
+            radius,
+            radiance,
+        });
         Some((light, Some(Shape::Disc(Disc::new(center, normal, radius)))))
     }
 
     /// Radiance itself, or from the power of an emitting area:
     /// `power = pi * area * radiance`.
-    fn radiance(&mut self, node: NodeId, radiance: Option<Colour>, power: Option<Colour>, area: f64) -> Option<Rgb> {
-        self.quantity(node, ("radiance", radiance), ("power", power), 1.0 / (PI * area))
+    fn radiance(
+        &mut self,
+        node: NodeId,
+        radiance: Option<Colour>,
+        power: Option<Colour>,
+        area: f64,
+    ) -> Option<Rgb> {
+        self.quantity(
+            node,
+            ("radiance", radiance),
+            ("power", power),
+            1.0 / (PI * area),
+        )
     }
 }

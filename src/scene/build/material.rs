@@ -16,7 +16,10 @@ const MAX_IOR: f64 = 100.0;
 impl<'d> Builder<'d> {
     pub(super) fn named_materials(&mut self) {
         for (name, part) in &self.description.materials {
-            let material = part.value.as_ref().and_then(|m| self.material(part.node, m));
+            let material = part
+                .value
+                .as_ref()
+                .and_then(|m| self.material(part.node, m));
             self.materials.insert(name, material);
         }
     }
@@ -66,7 +69,11 @@ impl<'d> Builder<'d> {
     pub(super) fn dangling(&mut self, place: NodeId, what: &str, section: &str, name: &str) {
         let description = self.description;
         let names: Vec<&str> = match section {
-            "materials" => description.materials.iter().map(|(n, _)| n.as_str()).collect(),
+            "materials" => description
+                .materials
+                .iter()
+                .map(|(n, _)| n.as_str())
+                .collect(),
             _ => description.meshes.iter().map(|(n, _)| n.as_str()).collect(),
         };
         let label = match names.as_slice() {

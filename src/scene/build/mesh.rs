@@ -26,7 +26,8 @@ impl<'d> Builder<'d> {
                     let place = self.report.field(node, "named");
                     let label = "expected a file or vertices";
                     let help = "objects can name the other mesh themselves";
-                    self.report.reject(place, "a mesh that is only another one's name", label, help)
+                    self.report
+                        .reject(place, "a mesh that is only another one's name", label, help)
                 }
                 MeshSource::Mesh(fields) => self.mesh_shape(node, fields),
                 MeshSource::Waves(waves) => self.waves(node, waves),
@@ -44,12 +45,18 @@ impl<'d> Builder<'d> {
             ("vertices", fields.vertices.is_some()),
         ];
         let which = self.report.exactly_one(node, &forms)?;
-        let strangers = [("triangles", fields.triangles.is_some()), ("normals", fields.normals.is_some())];
+        let strangers = [
+            ("triangles", fields.triangles.is_some()),
+            ("normals", fields.normals.is_some()),
+        ];
         if let (true, Some((key, _))) = (which < 2, strangers.iter().find(|(_, given)| *given)) {
             let place = self.report.field(node, key);
             let diagnostic = self
                 .report
-                .about_key(place, format!("`{key}` does not go with `{}`", forms[which].0))
+                .about_key(
+                    place,
+                    format!("`{key}` does not go with `{}`", forms[which].0),
+                )
                 .with_label("belongs to `vertices`")
                 .with_help("remove it");
             self.report.push(diagnostic);
@@ -76,7 +83,10 @@ impl<'d> Builder<'d> {
             return mesh.clone();
         }
         let path = self.base_dir.join(file);
-        let (line, column) = self.report.source.position(self.report.outline.span(place).start);
+        let (line, column) = self
+            .report
+            .source
+            .position(self.report.outline.span(place).start);
         let used = format!("used at {}:{line}:{column}", self.report.source.name());
         let mesh = match mesh_file::read(&path) {
             Ok(data) => match TriangleMesh::new(data.vertices, data.normals, data.triangles) {
@@ -126,7 +136,8 @@ impl<'d> Builder<'d> {
                     MeshError::NormalCount { .. } => self.report.field(node, "normals"),
                     _ => self.report.field(node, "triangles"),
                 };
-                self.report.reject(place, format!("a broken mesh: {e}"), "here", mesh_help(&e))
+                self.report
+                    .reject(place, format!("a broken mesh: {e}"), "here", mesh_help(&e))
             }
         }
     }
@@ -137,7 +148,12 @@ impl<'d> Builder<'d> {
             self.report.point_here(place, Triple([from, to, 0.0]))?;
             if to - from < crate::scene::MIN_LENGTH {
                 let label = "expected `(from, to)` with `to` above `from`";
-                return self.report.reject(place, format!("the range of {key} is empty"), label, "swap the two");
+                return self.report.reject(
+                    place,
+                    format!("the range of {key} is empty"),
+                    label,
+                    "swap the two",
+                );
             }
         }
         self.budget(node, "cells", generate::wave_triangles(waves))?;
@@ -152,30 +168,46 @@ impl<'d> Builder<'d> {
             let place = self.report.field(node, "waves");
             let label = "the sum of all heights or slopes is out of range";
             let help = "amplitudes are in metres, wave vectors in radians per metre";
-            return self.report.reject(place, "waves too high or too steep", label, help);
+            return self
+                .report
+                .reject(place, "waves too high or too steep", label, help);
         }
         self.generated(node, generate::waves(waves))
     }
 
     pub(super) fn torus_knot(&mut self, node: NodeId, knot: &TorusKnot) -> SharedMesh {
         self.report.point(node, "center", knot.center)?;
-        let lengths = [("scale", knot.scale), ("tube", knot.tube), ("ring", knot.ring), ("height", knot.height)];
+        let lengths = [
+            ("scale", knot.scale),
+            ("tube", knot.tube),
+            ("ring", knot.ring),
+            ("height", knot.height),
+        ];
         for (key, value) in lengths {
             self.report.length(node, key, value)?;
         }
-        let counts = [("p", knot.p, 1, 1000), ("q", knot.q, 1, 1000), ("segments", knot.segments, 3, u32::MAX), ("sides", knot.sides, 3, u32::MAX)];
+        let counts = [
+            ("p", knot.p, 1, 1000),
+            ("q", knot.q, 1, 1000),
+            ("segments", knot.segments, 3, u32::MAX),
+            ("sides", knot.sides, 3, u32::MAX),
+        ];
         for (key, count, least, most) in counts {
             if !(least..=most).contains(&count) {
                 let place = self.report.field(node, key);
                 let label = format!("expected at least {least} and at most {most}");
-                return self.report.reject(place, format!("`{key}` is out of range"), label, "");
+                return self
+                    .report
+                    .reject(place, format!("`{key}` is out of range"), label, "");
             }
         }
         self.budget(node, "segments", generate::knot_triangles(knot))?;
         if knot.ring.0 <= 1.0 {
             let place = self.report.field(node, "ring");
             let label = "expected more than 1, the radius of the winding itself";
-            return self.report.reject(place, "a knot that runs into itself", label, "such as 2");
+            return self
+                .report
+                .reject(place, "a knot that runs into itself", label, "such as 2");
         }
         self.generated(node, generate::torus_knot(knot))
     }
@@ -192,14 +224,25 @@ impl<'d> Builder<'d> {
         } else {
             format!("a mesh of {triangles} triangles")
         };
-        let label = format!("expected 1 to {} triangles in all generated meshes", generate::MAX_TRIANGLES);
-        self.report.reject(place, message, label, "make the mesh coarser, or finer if it has none")
+        let label = format!(
+            "expected 1 to {} triangles in all generated meshes",
+            generate::MAX_TRIANGLES
+        );
+        self.report.reject(
+            place,
+            message,
+            label,
+            "make the mesh coarser, or finer if it has none",
+        )
     }
 
     fn generated(&mut self, node: NodeId, data: MeshData) -> SharedMesh {
         match TriangleMesh::new(data.vertices, data.normals, data.triangles) {
             Ok(mesh) => Some(Arc::new(mesh)),
-            Err(e) => self.report.reject(node, format!("a broken mesh: {e}"), "here", mesh_help(&e)),
+            Err(e) => {
+                self.report
+                    .reject(node, format!("a broken mesh: {e}"), "here", mesh_help(&e))
+            }
         }
     }
 }
@@ -208,7 +251,9 @@ fn mesh_help(error: &MeshError) -> &'static str {
     match error {
         MeshError::IndexOutOfRange { .. } => "vertices are counted from 0",
         MeshError::NormalCount { .. } => "give one normal per vertex, or leave the normals out",
-        MeshError::Empty | MeshError::AllDegenerate(_) => "a mesh needs at least one triangle of some area",
+        MeshError::Empty | MeshError::AllDegenerate(_) => {
+            "a mesh needs at least one triangle of some area"
+        }
         _ => "",
     }
 }

@@ -13,10 +13,7 @@ mod shape;
 use std::{collections::HashMap, path::Path, sync::Arc};
 
 use super::{
-    NamedLight, Object, Scene, Settings,
-    description::Description,
-    outline::NodeId,
-    report::Report,
+    NamedLight, Object, Scene, Settings, description::Description, outline::NodeId, report::Report,
 };
 use crate::{
     geometry::{Instance, Shape, TriangleMesh, World},
@@ -53,7 +50,11 @@ struct BuiltObject {
 /// Builds the scene, reporting every mistake of meaning. `None` if something
 /// that a scene can't do without is broken or missing; the scene is only good
 /// if nothing at all was reported.
-pub(super) fn build(description: &Description, base_dir: &Path, report: &mut Report) -> Option<Scene> {
+pub(super) fn build(
+    description: &Description,
+    base_dir: &Path,
+    report: &mut Report,
+) -> Option<Scene> {
     let mut builder = Builder {
         description,
         report,
@@ -74,7 +75,13 @@ pub(super) fn build(description: &Description, base_dir: &Path, report: &mut Rep
     if !builder.report.diagnostics.is_empty() {
         return None;
     }
-    Some(assemble(objects, lights, camera?, image?.resolution, settings))
+    Some(assemble(
+        objects,
+        lights,
+        camera?,
+        image?.resolution,
+        settings,
+    ))
 }
 
 /// Puts the parts together; lights with a shape follow the objects.
@@ -95,14 +102,32 @@ fn assemble(
     for (index, light::BuiltLight { name, light, shape }) in built_lights.into_iter().enumerate() {
         let instance = shape.map(|shape| {
             let instance = instances.len() as u32;
-            instances.push(Instance { shape, transform: None });
+            instances.push(Instance {
+                shape,
+                transform: None,
+            });
             let light = Some(index as u32);
-            objects.push(Object { name: name.clone(), material: Material::Black, light });
+            objects.push(Object {
+                name: name.clone(),
+                material: Material::Black,
+                light,
+            });
             instance
         });
-        lights.push(NamedLight { name, light, instance });
+        lights.push(NamedLight {
+            name,
+            light,
+            instance,
+        });
     }
-    Scene { world: World::new(instances), objects, lights, camera, resolution, settings }
+    Scene {
+        world: World::new(instances),
+        objects,
+        lights,
+        camera,
+        resolution,
+        settings,
+    }
 }
 
 impl Builder<'_> {
@@ -117,9 +142,17 @@ impl Builder<'_> {
                 let shape = self.report.field(b.node, "shape");
                 let diagnostic = self
                     .report
-                    .about(shape, format!("the sun {} shines on a mirror or glass without end", sun.name))
+                    .about(
+                        shape,
+                        format!(
+                            "the sun {} shines on a mirror or glass without end",
+                            sun.name
+                        ),
+                    )
                     .with_label("no bounds to send light to")
-                    .with_help("use a Quad or a Disc instead of the Plane, or give the light a `beam`");
+                    .with_help(
+                        "use a Quad or a Disc instead of the Plane, or give the light a `beam`",
+                    );
                 self.report.push(diagnostic);
             }
         }

@@ -1,6 +1,6 @@
 //! Objects: a shape, a material, a place; and whether glass is closed.
 
-use super::{BuiltObject, Builder};
+use super::{Builder, BuiltObject};
 use crate::{
     geometry::{Instance, Shape},
     material::Material,
@@ -15,13 +15,18 @@ impl<'d> Builder<'d> {
     pub(super) fn objects(&mut self) -> Vec<BuiltObject> {
         let description = self.description;
         let parts = description.objects.iter().enumerate();
-        parts.filter_map(|(index, part)| self.object(index, part)).collect()
+        parts
+            .filter_map(|(index, part)| self.object(index, part))
+            .collect()
     }
 
     /// Checks all parts of an object, so that all its mistakes are found.
     fn object(&mut self, index: usize, part: &'d Part<ObjectDescription>) -> Option<BuiltObject> {
         let Part { node, value: d } = part;
-        let name = d.name.clone().unwrap_or_else(|| format!("objects[{index}]"));
+        let name = d
+            .name
+            .clone()
+            .unwrap_or_else(|| format!("objects[{index}]"));
         let shape = d.shape.as_ref().and_then(|s| self.shape(s));
         let material = d.material.as_ref().and_then(|m| self.chosen_material(m));
         let transform = self.placement(d.at.as_ref());
@@ -29,8 +34,16 @@ impl<'d> Builder<'d> {
         if let Material::Dielectric { thin: false, .. } = material {
             self.check_closed(*node, d, &shape)?;
         }
-        let object = Object { name, material, light: None };
-        Some(BuiltObject { object, instance: Instance { shape, transform }, node: *node })
+        let object = Object {
+            name,
+            material,
+            light: None,
+        };
+        Some(BuiltObject {
+            object,
+            instance: Instance { shape, transform },
+            node: *node,
+        })
     }
 
     /// Glass must enclose its medium, or say that it doesn't.
@@ -50,11 +63,12 @@ impl<'d> Builder<'d> {
         }
         if !closed {
             let (label, close) = match shape {
-                Shape::Mesh(mesh) => {
-                    (super::mesh::describe_opening(mesh), "close the mesh")
-                }
+                Shape::Mesh(mesh) => (super::mesh::describe_opening(mesh), "close the mesh"),
                 Shape::Cylinder(_) => ("a tube without ends".to_owned(), "write `capped: true`"),
-                _ => ("a flat sheet has no inside".to_owned(), "use a closed shape"),
+                _ => (
+                    "a flat sheet has no inside".to_owned(),
+                    "use a closed shape",
+                ),
             };
             let help = format!(
                 "{close}; or write `open: true` in the object if this is the surface of a larger body \
@@ -66,9 +80,12 @@ impl<'d> Builder<'d> {
         if let Shape::Mesh(mesh) = shape
             && mesh.signed_volume() < 0.0
         {
-            let help = "reverse the order of every face's vertices (most tools call it `flip normals`)";
+            let help =
+                "reverse the order of every face's vertices (most tools call it `flip normals`)";
             let label = "the faces are clockwise seen from outside";
-            return self.report.reject(place, "a glass mesh turned inside out", label, help);
+            return self
+                .report
+                .reject(place, "a glass mesh turned inside out", label, help);
         }
         Some(())
     }

@@ -16,7 +16,10 @@ use crate::{
 impl Builder<'_> {
     /// The map from the shape's own space to the world. The outer `None` is a
     /// mistake, the inner one means that nothing moves.
-    pub(super) fn placement(&mut self, at: Option<&Part<Vec<Part<TransformStep>>>>) -> Option<Option<Transform>> {
+    pub(super) fn placement(
+        &mut self,
+        at: Option<&Part<Vec<Part<TransformStep>>>>,
+    ) -> Option<Option<Transform>> {
         let Some(Part { node, value: steps }) = at else {
             return Some(None);
         };
@@ -29,14 +32,17 @@ impl Builder<'_> {
         }
         let columns = [map.matrix3.x_axis, map.matrix3.y_axis, map.matrix3.z_axis];
         let range = MIN_LENGTH..=MAX_LENGTH;
-        let within = columns.iter().all(|c| range.contains(&c.abs().max_element()))
+        let within = columns
+            .iter()
+            .all(|c| range.contains(&c.abs().max_element()))
             && map.translation.abs().max_element() <= MAX_LENGTH;
         match Transform::new(map).filter(|_| within) {
             Some(transform) => Some(Some(transform)),
             None => {
                 let label = "this map cannot be inverted, or leaves the range of lengths";
                 let help = "no axis may be scaled to (nearly) nothing";
-                self.report.reject(*node, "a singular transform", label, help)
+                self.report
+                    .reject(*node, "a singular transform", label, help)
             }
         }
     }
@@ -54,8 +60,15 @@ impl Builder<'_> {
                 } else {
                     "a singular transform: a scale out of range"
                 };
-                let label = format!("expected factors from {MIN_LENGTH:e} to {MAX_LENGTH:e}, or their negatives");
-                return self.report.reject(place, message, label, "a factor of 1 leaves an axis as it is");
+                let label = format!(
+                    "expected factors from {MIN_LENGTH:e} to {MAX_LENGTH:e}, or their negatives"
+                );
+                return self.report.reject(
+                    place,
+                    message,
+                    label,
+                    "a factor of 1 leaves an axis as it is",
+                );
             }
             map = DAffine3::from_scale(s);
         }
@@ -76,7 +89,11 @@ impl Builder<'_> {
         let axis = self.report.direction(place, "axis", rotation.axis)?;
         let (sin, cos) = sin_cos_degrees(rotation.degrees.0);
         let turn = |v: DVec3| v * cos + axis.cross(v) * sin + axis * (axis.dot(v) * (1.0 - cos));
-        Some(DMat3::from_cols(turn(DVec3::X), turn(DVec3::Y), turn(DVec3::Z)))
+        Some(DMat3::from_cols(
+            turn(DVec3::X),
+            turn(DVec3::Y),
+            turn(DVec3::Z),
+        ))
     }
 }
 

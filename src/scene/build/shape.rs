@@ -83,7 +83,9 @@ impl<'d> Builder<'d> {
                 if !spans_area(b - a, c - a) {
                     let label = "the corners lie on a line";
                     let help = "move one corner off the line through the other two";
-                    return self.report.reject(node, "a triangle of no area", label, help);
+                    return self
+                        .report
+                        .reject(node, "a triangle of no area", label, help);
                 }
                 Some(Shape::Triangle(Triangle::new(a, b, c)))
             }
@@ -94,18 +96,33 @@ impl<'d> Builder<'d> {
     }
 
     /// Two points that must differ, also after rounding.
-    fn distinct(&mut self, node: NodeId, key: &str, a: DVec3, b: DVec3, message: &str) -> Option<()> {
+    fn distinct(
+        &mut self,
+        node: NodeId,
+        key: &str,
+        a: DVec3,
+        b: DVec3,
+        message: &str,
+    ) -> Option<()> {
         let size = a.abs().max_element().max(b.abs().max_element());
         if (b - a).length() > gamma(16) * size && (b - a).length() >= crate::scene::MIN_LENGTH {
             return Some(());
         }
         let place = self.report.field(node, key);
-        self.report.reject(place, message, "both ends are at the same place", "move one of them")
+        self.report.reject(
+            place,
+            message,
+            "both ends are at the same place",
+            "move one of them",
+        )
     }
 
     /// A quad from a corner and two edges, or from a centre.
     pub(super) fn quad(&mut self, node: NodeId, s: &QuadShape) -> Option<QuadGeometry> {
-        let fields = [("corner", s.corner.is_some()), ("center", s.center.is_some())];
+        let fields = [
+            ("corner", s.corner.is_some()),
+            ("center", s.center.is_some()),
+        ];
         let which = self.report.exactly_one(node, &fields)?;
         let corner_form = [("u", s.u.is_some()), ("v", s.v.is_some())];
         let center_form = [
@@ -133,7 +150,12 @@ impl<'d> Builder<'d> {
         };
         if !spans_area(geometry.u, geometry.v) {
             let label = "expected two edges that are neither zero nor parallel";
-            return self.report.reject(node, "a quad of no area", label, "turn or lengthen an edge");
+            return self.report.reject(
+                node,
+                "a quad of no area",
+                label,
+                "turn or lengthen an edge",
+            );
         }
         Some(geometry)
     }
@@ -144,7 +166,11 @@ impl<'d> Builder<'d> {
         let corner = self.report.point(node, "corner", s.corner?)?;
         let u = self.report.point(node, "u", u?);
         let v = self.report.point(node, "v", v?);
-        Some(QuadGeometry { corner, u: u?, v: v? })
+        Some(QuadGeometry {
+            corner,
+            u: u?,
+            v: v?,
+        })
     }
 
     fn quad_around_center(&mut self, node: NodeId, s: &QuadShape) -> Option<QuadGeometry> {
@@ -153,18 +179,27 @@ impl<'d> Builder<'d> {
         let normal = self.normal_or_facing(node, center, s.normal, s.facing);
         let (center, size, normal) = (center?, size?, normal?);
         for length in size.0 {
-            self.report.length(node, "size", crate::scene::description::Number(length))?;
+            self.report
+                .length(node, "size", crate::scene::description::Number(length))?;
         }
         let (u, v) = edges_around(normal);
         let (u, v) = (u * size.0[0], v * size.0[1]);
-        Some(QuadGeometry { corner: center - 0.5 * u - 0.5 * v, u, v })
+        Some(QuadGeometry {
+            corner: center - 0.5 * u - 0.5 * v,
+            u,
+            v,
+        })
     }
 
     pub(super) fn disc(&mut self, node: NodeId, s: &DiscShape) -> Option<DiscGeometry> {
         let center = self.report.point(node, "center", s.center);
         let normal = self.normal_or_facing(node, center, s.normal, s.facing);
         let radius = self.report.length(node, "radius", s.radius);
-        Some(DiscGeometry { center: center?, normal: normal?, radius: radius? })
+        Some(DiscGeometry {
+            center: center?,
+            normal: normal?,
+            radius: radius?,
+        })
     }
 
     /// The unit normal, given itself or by a point that it points to.
@@ -184,7 +219,12 @@ impl<'d> Builder<'d> {
         if direction.is_none() {
             let place = self.report.field(node, "facing");
             let help = "`facing` is a point to look at, not a direction";
-            return self.report.reject(place, "`facing` is where the center is", "same as `center`", help);
+            return self.report.reject(
+                place,
+                "`facing` is where the center is",
+                "same as `center`",
+                help,
+            );
         }
         direction
     }
@@ -202,7 +242,9 @@ impl<'d> Builder<'d> {
 /// The horizontal unit vector orthogonal to a unit normal, and the one that
 /// completes the frame: `u x v = n`. For a vertical normal `u` is the x axis.
 pub(super) fn edges_around(n: DVec3) -> (DVec3, DVec3) {
-    let u = DVec3::new(-n.y, n.x, 0.0).try_normalize().unwrap_or(DVec3::X);
+    let u = DVec3::new(-n.y, n.x, 0.0)
+        .try_normalize()
+        .unwrap_or(DVec3::X);
     (u, n.cross(u))
 }
 
@@ -211,7 +253,8 @@ pub(super) fn edges_around(n: DVec3) -> (DVec3, DVec3) {
 /// three more.
 fn spans_area(u: DVec3, v: DVec3) -> bool {
     let shortest = u.length().min(v.length());
-    shortest >= crate::scene::MIN_LENGTH && u.cross(v).length() > gamma(16) * u.length() * v.length()
+    shortest >= crate::scene::MIN_LENGTH
+        && u.cross(v).length() > gamma(16) * u.length() * v.length()
 }
 
 #[cfg(test)]
@@ -220,7 +263,12 @@ mod tests {
 
     #[test]
     fn edges_are_a_right_handed_frame_with_u_horizontal() {
-        for n in [DVec3::Z, DVec3::NEG_Z, DVec3::X, DVec3::new(0.6, -0.48, 0.64)] {
+        for n in [
+            DVec3::Z,
+            DVec3::NEG_Z,
+            DVec3::X,
+            DVec3::new(0.6, -0.48, 0.64),
+        ] {
             let (u, v) = edges_around(n);
             assert!((u.cross(v) - n).length() < 1e-15, "{n}");
             assert_eq!(u.z, 0.0, "{n}");
@@ -232,7 +280,10 @@ mod tests {
     fn parallel_and_empty_edges_span_nothing() {
         assert!(spans_area(DVec3::X, DVec3::new(1.0, 1e-9, 0.0)));
         assert!(!spans_area(DVec3::X, DVec3::X * 3.0));
-        assert!(!spans_area(DVec3::new(0.1, 0.3, 0.7), DVec3::new(0.3, 0.9, 2.1)));
+        assert!(!spans_area(
+            DVec3::new(0.1, 0.3, 0.7),
+            DVec3::new(0.3, 0.9, 2.1)
+        ));
         assert!(!spans_area(DVec3::X, DVec3::ZERO));
     }
 }

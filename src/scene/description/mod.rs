@@ -20,7 +20,9 @@ pub use light::{
     DirectionalLight, DiscLight, LightDescription, PointLight, QuadLight, SphereLight, SpotLight,
 };
 pub use mesh::{Cells, MeshFields, MeshSource, TorusKnot, Wave, Waves};
-pub use shape::{CylinderShape, DiscShape, PlaneShape, QuadShape, ShapeDescription, SphereShape, TriangleShape};
+pub use shape::{
+    CylinderShape, DiscShape, PlaneShape, QuadShape, ShapeDescription, SphereShape, TriangleShape,
+};
 pub use transform::{Rotation, Rotations, Scale, TransformStep};
 pub use value::{Colour, Number, Pair, Triple};
 

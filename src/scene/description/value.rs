@@ -19,7 +19,9 @@ fn finite<E: Error>(value: f64) -> Result<f64, E> {
     } else if value.is_nan() {
         Err(E::custom("NaN is not a number to compute with"))
     } else {
-        Err(E::custom("this number is infinite, or too large for a double"))
+        Err(E::custom(
+            "this number is infinite, or too large for a double",
+        ))
     }
 }
 
@@ -102,7 +104,10 @@ impl<'de> Visitor<'de> for ColourVisitor {
 
     fn visit_str<E: Error>(self, v: &str) -> Result<Colour, E> {
         hex(v).map(Colour::Hex).ok_or_else(|| {
-            E::custom(format!("`{}` is not a colour", v.chars().take(20).collect::<String>()))
+            E::custom(format!(
+                "`{}` is not a colour",
+                v.chars().take(20).collect::<String>()
+            ))
         })
     }
 

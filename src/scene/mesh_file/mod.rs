@@ -49,15 +49,27 @@ enum FaultPlace {
 
 impl Fault {
     fn file(message: impl Into<String>) -> Self {
-        Self { at: FaultPlace::File, message: message.into(), label: String::new() }
+        Self {
+            at: FaultPlace::File,
+            message: message.into(),
+            label: String::new(),
+        }
     }
 
     fn text(span: Range<usize>, message: impl Into<String>, label: impl Into<String>) -> Self {
-        Self { at: FaultPlace::Text(span), message: message.into(), label: label.into() }
+        Self {
+            at: FaultPlace::Text(span),
+            message: message.into(),
+            label: label.into(),
+        }
     }
 
     fn byte(offset: usize, message: impl Into<String>) -> Self {
-        Self { at: FaultPlace::Byte(offset), message: message.into(), label: String::new() }
+        Self {
+            at: FaultPlace::Byte(offset),
+            message: message.into(),
+            label: String::new(),
+        }
     }
 
     fn into_diagnostic(self, file: &str, bytes: &[u8]) -> Diagnostic {
@@ -65,7 +77,10 @@ impl Fault {
             FaultPlace::File => Diagnostic::of_file(file, self.message),
             FaultPlace::Byte(offset) => Diagnostic::at_byte(file, offset, self.message),
             FaultPlace::Text(span) => {
-                let start = bytes[..span.start].iter().rposition(|&b| b == b'\n').map_or(0, |i| i + 1);
+                let start = bytes[..span.start]
+                    .iter()
+                    .rposition(|&b| b == b'\n')
+                    .map_or(0, |i| i + 1);
                 let line = 1 + bytes[..start].iter().filter(|&&b| b == b'\n').count();
                 let rest = &bytes[start..];
                 let end = rest.iter().position(|&b| b == b'\n').unwrap_or(rest.len());
@@ -84,7 +99,8 @@ impl Fault {
 /// What is wrong with the file, and where.
 pub fn read(path: &Path) -> Result<MeshData, Box<Diagnostic>> {
     let name = path.display().to_string();
-    let bytes = read_bytes(path).map_err(|message| Box::new(Diagnostic::of_file(&name, message)))?;
+    let bytes =
+        read_bytes(path).map_err(|message| Box::new(Diagnostic::of_file(&name, message)))?;
     parse(&name, &bytes)
 }
 
@@ -94,7 +110,10 @@ pub fn read(path: &Path) -> Result<MeshData, Box<Diagnostic>> {
 /// # Errors
 /// What is wrong with the bytes, and where.
 pub fn parse(name: &str, bytes: &[u8]) -> Result<MeshData, Box<Diagnostic>> {
-    let extension = Path::new(name).extension().and_then(|e| e.to_str()).unwrap_or_default();
+    let extension = Path::new(name)
+        .extension()
+        .and_then(|e| e.to_str())
+        .unwrap_or_default();
     let result = match extension.to_ascii_lowercase().as_str() {
         "obj" => obj::parse(bytes),
         "ply" => ply::parse(bytes),
@@ -119,11 +138,16 @@ fn read_bytes(path: &Path) -> Result<Vec<u8>, String> {
         return Err("this is not a regular file".to_owned());
     }
     if metadata.len() > MAX_MESH_BYTES {
-        return Err(format!("the mesh file is larger than {} GiB", MAX_MESH_BYTES >> 30));
+        return Err(format!(
+            "the mesh file is larger than {} GiB",
+            MAX_MESH_BYTES >> 30
+        ));
     }
     let mut bytes = Vec::new();
     let file = File::open(path).map_err(unreadable)?;
-    file.take(MAX_MESH_BYTES).read_to_end(&mut bytes).map_err(unreadable)?;
+    file.take(MAX_MESH_BYTES)
+        .read_to_end(&mut bytes)
+        .map_err(unreadable)?;
     Ok(bytes)
 }
 
@@ -137,7 +161,9 @@ fn push_fan(triangles: &mut Vec<[u32; 3]>, polygon: &[u32]) {
 /// A position, if its coordinates are finite and within the language's range.
 fn position(c: [f64; 3]) -> Option<DVec3> {
     // NaN fails the comparison, too.
-    c.iter().all(|x| x.abs() <= MAX_COORDINATE).then(|| DVec3::from_array(c))
+    c.iter()
+        .all(|x| x.abs() <= MAX_COORDINATE)
+        .then(|| DVec3::from_array(c))
 }
 
 /// A normal of unit length; the zero vector stands for "none".
@@ -147,7 +173,11 @@ fn unit_normal(c: [f64; 3]) -> Option<DVec3> {
         return None;
     }
     let largest = n.abs().max_element();
-    Some(if largest > 0.0 { (n / largest).normalize() } else { DVec3::ZERO })
+    Some(if largest > 0.0 {
+        (n / largest).normalize()
+    } else {
+        DVec3::ZERO
+    })
 }
 
 /// Replaces missing (zero) normals by the mean direction of the adjacent

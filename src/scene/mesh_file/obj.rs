@@ -9,9 +9,32 @@ use super::{Fault, MeshData, fill_normals, position, push_fan, unit_normal};
 
 /// Statements that say nothing about the surface, or nothing we need.
 const SKIPPED: [&[u8]; 26] = [
-    b"vt", b"vp", b"g", b"o", b"s", b"mg", b"usemtl", b"mtllib", b"l", b"p", b"usemap", b"maplib",
-    b"bevel", b"c_interp", b"d_interp", b"lod", b"shadow_obj", b"trace_obj", b"cstype", b"deg",
-    b"curv", b"curv2", b"surf", b"parm", b"end", b"bmat",
+    b"vt",
+    b"vp",
+    b"g",
+    b"o",
+    b"s",
+    b"mg",
+    b"usemtl",
+    b"mtllib",
+    b"l",
+    b"p",
+    b"usemap",
+    b"maplib",
+    b"bevel",
+    b"c_interp",
+    b"d_interp",
+    b"lod",
+    b"shadow_obj",
+    b"trace_obj",
+    b"cstype",
+    b"deg",
+    b"curv",
+    b"curv2",
+    b"surf",
+    b"parm",
+    b"end",
+    b"bmat",
 ];
 
 /// Positions and normals are indexed separately in the file; a vertex of the
@@ -52,7 +75,10 @@ fn logical_line<'t>(
 ) -> (&'t [Range<usize>], usize) {
     tokens.clear();
     loop {
-        let end = bytes[at..].iter().position(|&b| b == b'\n').map_or(bytes.len(), |i| at + i);
+        let end = bytes[at..]
+            .iter()
+            .position(|&b| b == b'\n')
+            .map_or(bytes.len(), |i| at + i);
         let line = &bytes[at..end];
         let code_end = line.iter().position(|&b| b == b'#').unwrap_or(line.len());
         let code = line[..code_end].trim_ascii_end();
@@ -80,20 +106,28 @@ fn logical_line<'t>(
 }
 
 impl Builder {
-    fn statement(&mut self, bytes: &[u8], keyword: Range<usize>, arguments: &[Range<usize>]) -> Result<(), Fault> {
+    fn statement(
+        &mut self,
+        bytes: &[u8],
+        keyword: Range<usize>,
+        arguments: &[Range<usize>],
+    ) -> Result<(), Fault> {
         match &bytes[keyword.clone()] {
             b"v" => {
                 let c = coordinates(bytes, &keyword, arguments)?;
                 let p = position(c).ok_or_else(|| {
-                    Fault::text(keyword, "a vertex is not finite or too far away", "this vertex")
+                    Fault::text(
+                        keyword,
+                        "a vertex is not finite or too far away",
+                        "this vertex",
+                    )
                 })?;
                 self.positions.push(p);
             }
             b"vn" => {
                 let c = coordinates(bytes, &keyword, arguments)?;
-                let n = unit_normal(c).ok_or_else(|| {
-                    Fault::text(keyword, "a normal is not finite", "this normal")
-                })?;
+                let n = unit_normal(c)
+                    .ok_or_else(|| Fault::text(keyword, "a normal is not finite", "this normal"))?;
                 self.normals.push(n);
             }
             b"f" => self.face(bytes, &keyword, arguments)?,
@@ -110,10 +144,19 @@ impl Builder {
         Ok(())
     }
 
-    fn face(&mut self, bytes: &[u8], keyword: &Range<usize>, corners: &[Range<usize>]) -> Result<(), Fault> {
+    fn face(
+        &mut self,
+        bytes: &[u8],
+        keyword: &Range<usize>,
+        corners: &[Range<usize>],
+    ) -> Result<(), Fault> {
         if corners.len() < 3 {
             let message = format!("a face with {} corners", corners.len());
-            return Err(Fault::text(keyword.clone(), message, "needs at least 3 corners"));
+            return Err(Fault::text(
+                keyword.clone(),
+                message,
+                "needs at least 3 corners",
+            ));
         }
         let mut polygon = std::mem::take(&mut self.polygon);
         polygon.clear();
@@ -133,7 +176,11 @@ impl Builder {
             [_, _, n] => Some(resolve(n, self.normals.len(), span, "normal")?),
             _ => {
                 let label = "expected `p`, `p/t`, `p//n` or `p/t/n`";
-                return Err(Fault::text(span.clone(), "a corner with more than three indices", label));
+                return Err(Fault::text(
+                    span.clone(),
+                    "a corner with more than three indices",
+                    label,
+                ));
             }
         };
         let p = resolve(parts[0], self.positions.len(), span, "vertex")?;
@@ -143,7 +190,8 @@ impl Builder {
         }
         let vertex = self.vertices.len() as u32;
         self.vertices.push(self.positions[p as usize]);
-        self.vertex_normals.push(normal.map_or(DVec3::ZERO, |n| self.normals[n as usize]));
+        self.vertex_normals
+            .push(normal.map_or(DVec3::ZERO, |n| self.normals[n as usize]));
         self.pairs.insert((p, normal), vertex);
         Ok(vertex)
     }
@@ -157,7 +205,11 @@ impl Builder {
             fill_normals(&self.vertices, &self.triangles, &mut normals);
         }
         let normals = self.any_normal.then_some(normals);
-        Ok(MeshData { vertices: self.vertices, normals, triangles: self.triangles })
+        Ok(MeshData {
+            vertices: self.vertices,
+            normals,
+            triangles: self.triangles,
+        })
     }
 }
 
@@ -165,9 +217,17 @@ impl Builder {
 fn resolve(text: &[u8], count: usize, span: &Range<usize>, what: &str) -> Result<u32, Fault> {
     let index: Option<i64> = std::str::from_utf8(text).ok().and_then(|t| t.parse().ok());
     let Some(index) = index else {
-        return Err(Fault::text(span.clone(), format!("the {what} index is not a whole number"), "expected `p`, `p/t`, `p//n` or `p/t/n`"));
+        return Err(Fault::text(
+            span.clone(),
+            format!("the {what} index is not a whole number"),
+            "expected `p`, `p/t`, `p//n` or `p/t/n`",
+        ));
     };
-    let resolved = if index < 0 { count as i64 + index } else { index - 1 };
+    let resolved = if index < 0 {
+        count as i64 + index
+    } else {
+        index - 1
+    };
     if index == 0 || resolved < 0 || resolved >= count as i64 {
         let message = format!("{what} {index} does not exist");
         let label = format!("there are {count} so far, counted from 1 or from -1 backwards");
@@ -177,17 +237,31 @@ fn resolve(text: &[u8], count: usize, span: &Range<usize>, what: &str) -> Result
 }
 
 /// The first three numbers of a statement.
-fn coordinates(bytes: &[u8], keyword: &Range<usize>, arguments: &[Range<usize>]) -> Result<[f64; 3], Fault> {
+fn coordinates(
+    bytes: &[u8],
+    keyword: &Range<usize>,
+    arguments: &[Range<usize>],
+) -> Result<[f64; 3], Fault> {
     if arguments.len() < 3 {
         let message = format!("{} numbers where three are needed", arguments.len());
-        return Err(Fault::text(keyword.clone(), message, "expected `x y z` after this"));
+        return Err(Fault::text(
+            keyword.clone(),
+            message,
+            "expected `x y z` after this",
+        ));
     }
     let mut c = [0.0; 3];
     for (value, span) in c.iter_mut().zip(arguments) {
-        let parsed = std::str::from_utf8(&bytes[span.clone()]).ok().and_then(|t| t.parse::<f64>().ok());
-        *value = parsed
-            .filter(|v| v.is_finite())
-            .ok_or_else(|| Fault::text(span.clone(), "this is not a finite number", "expected a number"))?;
+        let parsed = std::str::from_utf8(&bytes[span.clone()])
+            .ok()
+            .and_then(|t| t.parse::<f64>().ok());
+        *value = parsed.filter(|v| v.is_finite()).ok_or_else(|| {
+            Fault::text(
+                span.clone(),
+                "this is not a finite number",
+                "expected a number",
+            )
+        })?;
     }
     Ok(c)
 }
@@ -199,11 +273,22 @@ mod tests {
     #[test]
     fn all_index_forms_name_the_same_triangle() {
         let head = "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvn 0 0 2\n";
-        for face in ["f 1 2 3", "f 1/1 2/1 3/1", "f 1/1/1 2/1/1 3/1/1", "f 1//1 2//1 3//-1", "f -3 -2 -1", "f 1 2 \\\n 3"] {
+        for face in [
+            "f 1 2 3",
+            "f 1/1 2/1 3/1",
+            "f 1/1/1 2/1/1 3/1/1",
+            "f 1//1 2//1 3//-1",
+            "f -3 -2 -1",
+            "f 1 2 \\\n 3",
+        ] {
             let mesh = parse(format!("{head}{face} # end\r\n").as_bytes()).unwrap();
             assert_eq!(mesh.triangles, [[0, 1, 2]], "{face}");
             assert_eq!(mesh.vertices, [DVec3::ZERO, DVec3::X, DVec3::Y], "{face}");
-            assert_eq!(mesh.normals.is_some(), face.contains("/-1") || face.contains("/1/1"), "{face}");
+            assert_eq!(
+                mesh.normals.is_some(),
+                face.contains("/-1") || face.contains("/1/1"),
+                "{face}"
+            );
             assert!(mesh.normals.is_none_or(|n| n == [DVec3::Z; 3]));
         }
     }

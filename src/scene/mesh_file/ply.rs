@@ -95,7 +95,11 @@ struct ElementKind {
 pub(super) fn parse(bytes: &[u8]) -> Result<MeshData, Fault> {
     let (format, elements, body) = header(bytes)?;
     check_elements(&elements)?;
-    let mut reader = Body { bytes, at: body, format };
+    let mut reader = Body {
+        bytes,
+        at: body,
+        format,
+    };
     let mut mesh = MeshData::default();
     let mut normals = Vec::new();
     let mut corners = Vec::new();
@@ -132,7 +136,8 @@ fn check_indices(mesh: &MeshData) -> Result<(), Fault> {
     let count = mesh.vertices.len();
     for (i, t) in mesh.triangles.iter().enumerate() {
         if let Some(index) = t.iter().find(|&&v| v as usize >= count) {
-            let message = format!("triangle {i} names vertex {index}, but there are {count}, counted from 0");
+            let message =
+                format!("triangle {i} names vertex {index}, but there are {count}, counted from 0");
             return Err(Fault::file(message));
         }
     }
@@ -159,16 +164,27 @@ fn header(bytes: &[u8]) -> Result<(Format, Vec<ElementKind>, usize), Fault> {
         match words.as_slice() {
             [b"ply"] if is_first => {}
             _ if is_first => {
-                return Err(Fault::file("not a PLY file: it does not start with a line `ply`"));
+                return Err(Fault::file(
+                    "not a PLY file: it does not start with a line `ply`",
+                ));
             }
             [] | [b"comment" | b"obj_info", ..] => {}
             [b"format", kind, ..] => format = Some(format_named(kind, &tokens[1])?),
             [b"element", name, count] => {
-                elements.push(element(name, count, tokens[0].start..tokens[2].end, &tokens[2])?);
+                elements.push(element(
+                    name,
+                    count,
+                    tokens[0].start..tokens[2].end,
+                    &tokens[2],
+                )?);
             }
             [b"property", rest @ ..] => {
                 let Some(element) = elements.last_mut() else {
-                    return Err(Fault::text(tokens[0].clone(), "a property before any element", ""));
+                    return Err(Fault::text(
+                        tokens[0].clone(),
+                        "a property before any element",
+                        "",
+                    ));
                 };
                 let property = property(&element.name, rest, &tokens)?;
                 element.properties.push(property);
@@ -215,12 +231,26 @@ fn format_named(name: &[u8], span: &Range<usize>) -> Result<Format, Fault> {
     }
 }
 
-fn element(name: &[u8], count: &[u8], span: Range<usize>, count_span: &Range<usize>) -> Result<ElementKind, Fault> {
+fn element(
+    name: &[u8],
+    count: &[u8],
+    span: Range<usize>,
+    count_span: &Range<usize>,
+) -> Result<ElementKind, Fault> {
     let parsed: Option<u64> = std::str::from_utf8(count).ok().and_then(|t| t.parse().ok());
     let count = parsed.ok_or_else(|| {
-        Fault::text(count_span.clone(), "this is not a count", "expected a whole number")
+        Fault::text(
+            count_span.clone(),
+            "this is not a count",
+            "expected a whole number",
+        )
     })?;
-    Ok(ElementKind { name: name.to_vec(), count, properties: vec![], span })
+    Ok(ElementKind {
+        name: name.to_vec(),
+        count,
+        properties: vec![],
+        span,
+    })
 }
 
 fn property(element: &[u8], words: &[&[u8]], tokens: &[Range<usize>]) -> Result<Property, Fault> {
@@ -232,15 +262,28 @@ fn property(element: &[u8], words: &[&[u8]], tokens: &[Range<usize>]) -> Result<
     };
     match words {
         [b"list", _, _, name] => {
-            let is_corners = element == b"face" && matches!(*name, b"vertex_indices" | b"vertex_index");
-            let role = if is_corners { Role::Corners } else { Role::Skipped };
+            let is_corners =
+                element == b"face" && matches!(*name, b"vertex_indices" | b"vertex_index");
+            let role = if is_corners {
+                Role::Corners
+            } else {
+                Role::Skipped
+            };
             let (length, item) = (scalar(1)?, scalar(2)?);
             let is_fraction = |s: Scalar| matches!(s, Scalar::F32 | Scalar::F64);
             if is_fraction(length) || (is_corners && is_fraction(item)) {
                 let label = "expected an integer type";
-                return Err(Fault::text(tokens[0].clone(), "a list counted or indexed by fractions", label));
+                return Err(Fault::text(
+                    tokens[0].clone(),
+                    "a list counted or indexed by fractions",
+                    label,
+                ));
             }
-            Ok(Property { length: Some(length), scalar: item, role })
+            Ok(Property {
+                length: Some(length),
+                scalar: item,
+                role,
+            })
         }
         [_, name] => {
             let role = match *name {
@@ -252,8 +295,16 @@ fn property(element: &[u8], words: &[&[u8]], tokens: &[Range<usize>]) -> Result<
                 b"nz" => Role::Normal(2),
                 _ => Role::Skipped,
             };
-            let role = if element == b"vertex" { role } else { Role::Skipped };
-            Ok(Property { length: None, scalar: scalar(0)?, role })
+            let role = if element == b"vertex" {
+                role
+            } else {
+                Role::Skipped
+            };
+            Ok(Property {
+                length: None,
+                scalar: scalar(0)?,
+                role,
+            })
         }
         _ => Err(Fault::text(
             tokens[0].clone(),
@@ -267,9 +318,15 @@ fn check_elements(elements: &[ElementKind]) -> Result<(), Fault> {
     for wanted in [b"vertex".as_slice(), b"face"] {
         let name = String::from_utf8_lossy(wanted);
         let mut matching = elements.iter().filter(|e| e.name == wanted);
-        let element = matching.next().ok_or_else(|| Fault::file(format!("the header has no element `{name}`")))?;
+        let element = matching
+            .next()
+            .ok_or_else(|| Fault::file(format!("the header has no element `{name}`")))?;
         if let Some(second) = matching.next() {
-            return Err(Fault::text(second.span.clone(), format!("a second element `{name}`"), ""));
+            return Err(Fault::text(
+                second.span.clone(),
+                format!("a second element `{name}`"),
+                "",
+            ));
         }
         let roles: Vec<Role> = element.properties.iter().map(|p| p.role).collect();
         let complete = if wanted == b"face" {
@@ -278,14 +335,26 @@ fn check_elements(elements: &[ElementKind]) -> Result<(), Fault> {
             (0..3).all(|i| roles.contains(&Role::Position(i)))
         };
         if !complete {
-            let label = if wanted == b"face" { "needs a list `vertex_indices`" } else { "needs `x`, `y` and `z`" };
-            return Err(Fault::text(element.span.clone(), format!("the element `{name}` lacks a property"), label));
+            let label = if wanted == b"face" {
+                "needs a list `vertex_indices`"
+            } else {
+                "needs `x`, `y` and `z`"
+            };
+            return Err(Fault::text(
+                element.span.clone(),
+                format!("the element `{name}` lacks a property"),
+                label,
+            ));
         }
     }
     // Items without properties take no bytes: their count would be free.
     for e in elements {
         if e.properties.is_empty() && e.count > 0 {
-            return Err(Fault::text(e.span.clone(), "an element without properties", ""));
+            return Err(Fault::text(
+                e.span.clone(),
+                "an element without properties",
+                "",
+            ));
         }
     }
     Ok(())
@@ -308,7 +377,10 @@ impl Body<'_> {
     /// Reads one item; a face's corners are put into `corners`. Every item
     /// has at least one property, hence takes at least one byte.
     fn item(&mut self, element: &ElementKind, corners: &mut Vec<u32>) -> Result<Item, Fault> {
-        let mut item = Item { position: [0.0; 3], normal: None };
+        let mut item = Item {
+            position: [0.0; 3],
+            normal: None,
+        };
         for property in &element.properties {
             match property.length {
                 Some(length) => self.list(property, length, corners)?,
@@ -325,7 +397,12 @@ impl Body<'_> {
         Ok(item)
     }
 
-    fn list(&mut self, property: &Property, length: Scalar, corners: &mut Vec<u32>) -> Result<(), Fault> {
+    fn list(
+        &mut self,
+        property: &Property,
+        length: Scalar,
+        corners: &mut Vec<u32>,
+    ) -> Result<(), Fault> {
         let start = self.at;
         let count = self.scalar(length)?;
         if count < 0.0 || count.fract() != 0.0 {
@@ -343,7 +420,9 @@ impl Body<'_> {
             let value = self.scalar(property.scalar)?;
             if is_face {
                 if value.fract() != 0.0 || !(0.0..=f64::from(u32::MAX)).contains(&value) {
-                    return Err(self.fault(start..self.at, &format!("{value} is not a vertex index")));
+                    return Err(
+                        self.fault(start..self.at, &format!("{value} is not a vertex index"))
+                    );
                 }
                 corners.push(value as u32);
             }
@@ -357,7 +436,10 @@ impl Body<'_> {
         }
         let size = scalar.size();
         let Some(raw) = self.bytes.get(self.at..self.at + size) else {
-            return Err(Fault::byte(self.bytes.len(), "the file ends in the middle of its data"));
+            return Err(Fault::byte(
+                self.bytes.len(),
+                "the file ends in the middle of its data",
+            ));
         };
         let mut b = [0; 8];
         b[..size].copy_from_slice(raw);
@@ -371,16 +453,28 @@ impl Body<'_> {
     /// The next number of an ASCII body.
     fn word(&mut self) -> Result<f64, Fault> {
         let rest = &self.bytes[self.at..];
-        let skip = rest.iter().position(|b| !b.is_ascii_whitespace()).unwrap_or(rest.len());
+        let skip = rest
+            .iter()
+            .position(|b| !b.is_ascii_whitespace())
+            .unwrap_or(rest.len());
         let start = self.at + skip;
-        let length = rest[skip..].iter().position(u8::is_ascii_whitespace).unwrap_or(rest.len() - skip);
+        let length = rest[skip..]
+            .iter()
+            .position(u8::is_ascii_whitespace)
+            .unwrap_or(rest.len() - skip);
         if length == 0 {
             let last = self.bytes.trim_ascii_end().len();
             let mark = last.saturating_sub(1)..last;
-            return Err(Fault::text(mark, "the file ends before its last element", "more numbers were announced"));
+            return Err(Fault::text(
+                mark,
+                "the file ends before its last element",
+                "more numbers were announced",
+            ));
         }
         self.at = start + length;
-        let parsed = std::str::from_utf8(&self.bytes[start..self.at]).ok().and_then(|t| t.parse().ok());
+        let parsed = std::str::from_utf8(&self.bytes[start..self.at])
+            .ok()
+            .and_then(|t| t.parse().ok());
         parsed.ok_or_else(|| self.fault(start..self.at, "this is not a number"))
     }
 
@@ -388,7 +482,10 @@ impl Body<'_> {
         match self.format {
             Format::Ascii => {
                 // The span may start with the white space before a number.
-                let skip = self.bytes[span.clone()].iter().take_while(|b| b.is_ascii_whitespace()).count();
+                let skip = self.bytes[span.clone()]
+                    .iter()
+                    .take_while(|b| b.is_ascii_whitespace())
+                    .count();
                 Fault::text(span.start + skip..span.end, message, "here")
             }
             Format::Little | Format::Big => Fault::byte(span.start, message),
@@ -407,7 +504,12 @@ mod tests {
         element face 1\nproperty list uint ushort vertex_indices\nend_header\n";
 
     fn square() -> MeshData {
-        let vertices = [(0.5, 0.25, 0.0), (1.0, 0.0, 0.0), (1.0, 1.0, -2.0), (0.0, 1.0, 0.0)];
+        let vertices = [
+            (0.5, 0.25, 0.0),
+            (1.0, 0.0, 0.0),
+            (1.0, 1.0, -2.0),
+            (0.0, 1.0, 0.0),
+        ];
         MeshData {
             vertices: vertices.map(DVec3::from).to_vec(),
             normals: None,
@@ -417,8 +519,10 @@ mod tests {
 
     #[test]
     fn ascii_with_strangers_between() {
-        let text = format!("ply\r\nformat ascii 1.0\r\ncomment x\n{HEADER}\
-            0.5 0.25 0 7 0\n1 0 0 7 2 0.5 0.5\n1 1 -2 7 0\n0 1 0 7 0\n9\n4 0 1 2 3\n");
+        let text = format!(
+            "ply\r\nformat ascii 1.0\r\ncomment x\n{HEADER}\
+            0.5 0.25 0 7 0\n1 0 0 7 2 0.5 0.5\n1 1 -2 7 0\n0 1 0 7 0\n9\n4 0 1 2 3\n"
+        );
         assert_eq!(parse(text.as_bytes()).unwrap(), square());
     }
 
@@ -453,9 +557,19 @@ mod tests {
 
     #[test]
     fn claimed_counts_cost_nothing() {
-        let text = format!("ply\nformat binary_little_endian 1.0\n{}", HEADER.replace("vertex 4", "vertex 18446744073709551615"));
+        let text = format!(
+            "ply\nformat binary_little_endian 1.0\n{}",
+            HEADER.replace("vertex 4", "vertex 18446744073709551615")
+        );
         assert!(parse(text.as_bytes()).is_err());
-        let text = text.replace("edge 1", "edge 99999999999").replace("property int a\n", "");
-        assert!(parse(text.as_bytes()).unwrap_err().message.contains("without properties"));
+        let text = text
+            .replace("edge 1", "edge 99999999999")
+            .replace("property int a\n", "");
+        assert!(
+            parse(text.as_bytes())
+                .unwrap_err()
+                .message
+                .contains("without properties")
+        );
     }
 }

@@ -117,7 +117,11 @@ impl Outline {
     /// bare name.
     pub fn name(&self, id: NodeId) -> Option<Range<usize>> {
         let node = self.node(id);
-        let end = if node.kind == Kind::Name { node.end } else { node.name_end };
+        let end = if node.kind == Kind::Name {
+            node.end
+        } else {
+            node.name_end
+        };
         (end > node.start).then_some(node.start as usize..end as usize)
     }
 
@@ -159,7 +163,9 @@ impl Outline {
     /// The field or map entry with the given key, the last one if there are
     /// several; keys of maps are compared without their quotes.
     pub fn field(&self, text: &str, id: NodeId, key: &str) -> Option<NodeId> {
-        self.children(id).filter(|&child| self.key_text(text, child) == Some(key)).last()
+        self.children(id)
+            .filter(|&child| self.key_text(text, child) == Some(key))
+            .last()
     }
 
     /// A child's key without quotes.
@@ -231,9 +237,18 @@ mod tests {
         assert_eq!(&text[o.span(radius)], "-1.5e3");
         assert_eq!(o.path(text, radius), "objects[0].shape.radius");
         let center = get(&["objects", "0", "shape", "center"]);
-        assert_eq!((&text[o.span(center)], o.kind(center)), ("(0, 1, 2)", Kind::Tuple));
-        assert_eq!(&text[o.name(get(&["objects", "0", "shape"])).unwrap()], "Sphere");
-        assert_eq!(&text[o.span(get(&["materials", "0"]))], r##"r#"raw " text"#"##);
+        assert_eq!(
+            (&text[o.span(center)], o.kind(center)),
+            ("(0, 1, 2)", Kind::Tuple)
+        );
+        assert_eq!(
+            &text[o.name(get(&["objects", "0", "shape"])).unwrap()],
+            "Sphere"
+        );
+        assert_eq!(
+            &text[o.span(get(&["materials", "0"]))],
+            r##"r#"raw " text"#"##
+        );
         assert_eq!(&text[o.span(get(&["materials", "c"]))], "'x'");
         assert_eq!(o.path(text, get(&["materials", "c"])), "materials[\"c\"]");
         assert_eq!(o.kind(get(&["flag"])), Kind::Name);

@@ -19,7 +19,12 @@ pub struct SyntaxError {
 
 impl SyntaxError {
     fn new(span: Range<usize>, message: impl Into<String>, label: impl Into<String>) -> Self {
-        Self { span, message: message.into(), label: label.into(), help: String::new() }
+        Self {
+            span,
+            message: message.into(),
+            label: label.into(),
+            help: String::new(),
+        }
     }
 
     fn with_help(mut self, help: impl Into<String>) -> Self {
@@ -50,15 +55,32 @@ type Step<T = Next> = Result<T, SyntaxError>;
 
 impl<'t> Scanner<'t> {
     pub(super) fn new(text: &'t str) -> Self {
-        let at = if text.starts_with('\u{feff}') { '\u{feff}'.len_utf8() } else { 0 };
-        let outline = Outline { nodes: vec![], extensions: vec![] };
-        Self { text, at, outline, open: vec![], key: 0..0 }
+        let at = if text.starts_with('\u{feff}') {
+            '\u{feff}'.len_utf8()
+        } else {
+            0
+        };
+        let outline = Outline {
+            nodes: vec![],
+            extensions: vec![],
+        };
+        Self {
+            text,
+            at,
+            outline,
+            open: vec![],
+            key: 0..0,
+        }
     }
 
     pub(super) fn run(mut self) -> Result<Outline, SyntaxError> {
         self.headers()?;
         if self.peek().is_none() {
-            return Err(SyntaxError::new(0..0, "the scene is empty", "expected a scene `(...)`"));
+            return Err(SyntaxError::new(
+                0..0,
+                "the scene is empty",
+                "expected a scene `(...)`",
+            ));
         }
         let mut next = self.value()?;
         while !self.open.is_empty() {
@@ -71,7 +93,11 @@ impl<'t> Scanner<'t> {
         self.skip_space()?;
         if self.at < self.text.len() {
             let label = "expected the end of the file";
-            return Err(SyntaxError::new(self.token(), "text after the scene's end", label));
+            return Err(SyntaxError::new(
+                self.token(),
+                "text after the scene's end",
+                label,
+            ));
         }
         Ok(self.outline)
     }
@@ -142,7 +168,11 @@ impl<'t> Scanner<'t> {
         if !tail.starts_with('"') || (raw.is_none() && hashes > 0) {
             return None;
         }
-        let marker = if raw.is_some() && hashes == 0 { usize::MAX } else { hashes };
+        let marker = if raw.is_some() && hashes == 0 {
+            usize::MAX
+        } else {
+            hashes
+        };
         Some((marker, rest.len() - tail.len()))
     }
 
@@ -165,7 +195,11 @@ impl<'t> Scanner<'t> {
         };
         let Some(length) = length else {
             let mark = start..self.line_end(start);
-            return Err(SyntaxError::new(mark, "this text never ends", "expected a closing `\"`"));
+            return Err(SyntaxError::new(
+                mark,
+                "this text never ends",
+                "expected a closing `\"`",
+            ));
         };
         self.at += 1 + length;
         Ok(())
@@ -280,7 +314,10 @@ impl<'t> Scanner<'t> {
             self.at = start;
             let token = if name.is_empty() { self.token() } else { name };
             let (message, label) = if is_field {
-                ("a named field among unnamed values", "the values before have no names")
+                (
+                    "a named field among unnamed values",
+                    "the values before have no names",
+                )
             } else {
                 ("a field without a name", "expected `name: value`")
             };
@@ -321,7 +358,11 @@ impl<'t> Scanner<'t> {
             }
             None => {
                 let mark = self.outline.head(id);
-                Err(SyntaxError::new(mark, format!("expected `{close}`, found the end of the file"), "opened here, never closed"))
+                Err(SyntaxError::new(
+                    mark,
+                    format!("expected `{close}`, found the end of the file"),
+                    "opened here, never closed",
+                ))
             }
             _ => Ok(None),
         }
@@ -335,12 +376,19 @@ impl<'t> Scanner<'t> {
         }
     }
 
-    fn push(&mut self, kind: Kind, span: Range<usize>, name_end: usize, key: Range<usize>) -> Step<NodeId> {
+    fn push(
+        &mut self,
+        kind: Kind,
+        span: Range<usize>,
+        name_end: usize,
+        key: Range<usize>,
+    ) -> Step<NodeId> {
         let index = self.outline.nodes.len();
         if index >= MAX_VALUES {
             let message = format!("the scene has more than {MAX_VALUES} values");
-            return Err(SyntaxError::new(span, message, "one too many")
-                .with_help("put large meshes into OBJ or PLY files and name them with Mesh(file: \"...\")"));
+            return Err(SyntaxError::new(span, message, "one too many").with_help(
+                "put large meshes into OBJ or PLY files and name them with Mesh(file: \"...\")",
+            ));
         }
         let parent = self.open.last().map_or(NONE, |id| id.0);
         self.outline.nodes.push(Node {
@@ -416,7 +464,11 @@ impl<'t> Scanner<'t> {
                 return Ok(());
             }
         }
-        Err(SyntaxError::new(start..start + 2, "this comment never ends", "expected a closing `*/`"))
+        Err(SyntaxError::new(
+            start..start + 2,
+            "this comment never ends",
+            "expected a closing `*/`",
+        ))
     }
 
     fn rest(&self) -> &'t str {
@@ -448,16 +500,25 @@ impl<'t> Scanner<'t> {
         };
         let mark = if token.is_empty() && token.start > 0 {
             // The end of the file: mark the last character instead.
-            let last = self.text[..token.start].trim_end().char_indices().next_back();
+            let last = self.text[..token.start]
+                .trim_end()
+                .char_indices()
+                .next_back();
             last.map_or(token.clone(), |(i, c)| i..i + c.len_utf8())
         } else {
             token
         };
-        SyntaxError::new(mark, format!("unexpected {found}"), format!("expected {expected}"))
+        SyntaxError::new(
+            mark,
+            format!("unexpected {found}"),
+            format!("expected {expected}"),
+        )
     }
 
     fn line_end(&self, from: usize) -> usize {
-        self.text[from..].find('\n').map_or(self.text.len(), |i| from + i)
+        self.text[from..]
+            .find('\n')
+            .map_or(self.text.len(), |i| from + i)
     }
 }
 
@@ -477,5 +538,17 @@ fn unescaped_quote(body: &str, quote: u8) -> Option<usize> {
 
 /// The white space of RON.
 fn is_space(c: char) -> bool {
-    matches!(c, ' ' | '\t' | '\n' | '\r' | '\x0B' | '\x0C' | '\u{85}' | '\u{200E}' | '\u{200F}' | '\u{2028}' | '\u{2029}')
+    matches!(
+        c,
+        ' ' | '\t'
+            | '\n'
+            | '\r'
+            | '\x0B'
+            | '\x0C'
+            | '\u{85}'
+            | '\u{200E}'
+            | '\u{200F}'
+            | '\u{2028}'
+            | '\u{2029}'
+    )
 }
