@@ -1,2 +1,7 @@
-//! nephroid.
-fn main() {}
+//! The `nephroid` program: a thin shell around the library.
+
+mod cli;
+
+fn main() -> std::process::ExitCode {
+    cli::main().into()
+}

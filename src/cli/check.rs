@@ -1,0 +1,70 @@
+//! `nephroid check`: reads a scene as `render` would and says what it found.
+
+use nephroid::scene::{self, Diagnostic, Diagnostics, Place, Summary};
+use serde_json::{Value, json};
+
+use super::{Exit, Failure, args::CheckArgs, deliver};
+
+/// Checks the scene. The verdict goes to standard output; mistakes, unless
+/// asked for as JSON, to standard error.
+pub(super) fn run(typed: &CheckArgs) -> Result<Exit, Failure> {
+    let name = typed.scene.display().to_string();
+    match scene::load(&typed.scene) {
+        Ok(scene) => {
+            let summary = Summary::of(&scene);
+            deliver(if typed.json {
+                in_order(&name, &summary, scene.settings.passes).to_string()
+            } else {
+                format!("{name} is in order\n{summary}")
+            })
+            .map_err(Failure::fault)?;
+            Ok(Exit::Done)
+        }
+        Err(mistakes) if typed.json => {
+            deliver(not_in_order(&name, &mistakes)).map_err(Failure::fault)?;
+            Ok(Exit::BadInput)
+        }
+        Err(mistakes) => Err(Failure::scene(&mistakes)),
+    }
+}
+
+fn in_order(scene: &str, summary: &Summary, passes: u32) -> Value {
+    json!({
+        "scene": scene,
+        "ok": true,
+        "resolution": summary.resolution,
+        "passes": passes,
+        "objects": summary.objects,
+        "casters": summary.casters,
+        "triangles": summary.triangles,
+        "lights": summary.light_count(),
+    })
+}
+
+fn not_in_order(scene: &str, mistakes: &Diagnostics) -> Value {
+    json!({
+        "scene": scene,
+        "ok": false,
+        "count": mistakes.len(),
+        "mistakes": mistakes.iter().map(mistake).collect::<Vec<_>>(),
+    })
+}
+
+fn mistake(found: &Diagnostic) -> Value {
+    let mut value = json!({
+        "file": found.file,
+        "message": found.message,
+        "expected": found.label,
+        "help": found.help,
+        "note": found.note,
+    });
+    match found.place {
+        Place::File => {}
+        Place::Text { line, column } => {
+            value["line"] = line.into();
+            value["column"] = column.into();
+        }
+        Place::Byte { offset } => value["byte"] = offset.into(),
+    }
+    value
+}

@@ -1,0 +1,64 @@
+//! Ctrl-C (and the signals that ask a program to end).
+//!
+//! The first one asks the render to stop after the pass under way; the second
+//! ends the program at once, with the shells' code for an interrupted program.
+//! While files are being written all of them are ignored: that is soon over,
+//! and no half-written file may stay behind.
+
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+
+/// What the shells report for a program that an interrupt ended: 128 + 2.
+const ENDED_AT_ONCE: i32 = 130;
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Phase {
+    Rendering,
+    Stopping,
+    Saving,
+}
+
+/// The state shared with the signal handler.
+#[derive(Clone, Debug)]
+pub(crate) struct Interrupt(Arc<Mutex<Phase>>);
+
+impl Interrupt {
+    /// Starts listening. Where no handler can be set, an interrupt ends the
+    /// program as it ends any other.
+    pub(crate) fn listen() -> Self {
+        let this = Self(Arc::new(Mutex::new(Phase::Rendering)));
+        let shared = this.clone();
+        let _ = ctrlc::set_handler(move || shared.on_signal());
+        this
+    }
+
+    /// Whether the render should stop.
+    pub(crate) fn is_requested(&self) -> bool {
+        *self.phase() == Phase::Stopping
+    }
+
+    /// From now on the program writes files and will end by itself.
+    pub(crate) fn start_saving(&self) {
+        *self.phase() = Phase::Saving;
+    }
+
+    fn on_signal(&self) {
+        // The lock is held until the end, so that saving cannot begin meanwhile.
+        let mut phase = self.phase();
+        match *phase {
+            Phase::Rendering => {
+                *phase = Phase::Stopping;
+                super::tell(
+                    "\ninterrupted: the pass under way is finished and saved; \
+                     interrupt again to stop at once",
+                );
+            }
+            Phase::Stopping => std::process::exit(ENDED_AT_ONCE),
+            Phase::Saving => {}
+        }
+    }
+
+    fn phase(&self) -> MutexGuard<'_, Phase> {
+        // A phase is valid whatever happened to the thread that wrote it.
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}

@@ -1,0 +1,117 @@
+//! The command line: what was typed, what it means, and the calls it leads to.
+//!
+//! `args` and `values` hold what was typed; `render` and `check` resolve it
+//! against the scene and call the library. Words for people go to standard
+//! error, so that standard output carries only data that was asked for
+//! (`--json -`, the verdict of `check`). This is the only room that prints; it
+//! never panics because a reader went away.
+
+mod args;
+mod check;
+mod interrupt;
+mod progress;
+mod render;
+mod values;
+
+use std::{
+    fmt::Display,
+    io::{self, IsTerminal, Write},
+    process::ExitCode,
+};
+
+use clap::Parser;
+
+/// How the program ends; the numbers are part of the interface.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Exit {
+    /// All that was asked for was done.
+    Done = 0,
+    /// The render or the writing of a file failed.
+    Fault = 1,
+    /// The command line or the scene makes no sense.
+    BadInput = 2,
+    /// Interrupted; what was reached is saved.
+    Interrupted = 3,
+}
+
+impl From<Exit> for ExitCode {
+    fn from(exit: Exit) -> Self {
+        Self::from(exit as u8)
+    }
+}
+
+/// A reason to end early, as told to the user.
+#[derive(Debug)]
+pub(crate) struct Failure {
+    exit: Exit,
+    message: String,
+}
+
+impl Failure {
+    fn bad_input(message: impl Display) -> Self {
+        Self {
+            exit: Exit::BadInput,
+            message: format!("error: {message}"),
+        }
+    }
+
+    fn fault(message: impl Display) -> Self {
+        Self {
+            exit: Exit::Fault,
+            message: format!("error: {message}"),
+        }
+    }
+
+    /// The mistakes in a scene file, which bring their own headings.
+    fn scene(mistakes: &nephroid::scene::Diagnostics) -> Self {
+        let mut message = mistakes.render(colour());
+        if mistakes.len() > 1 {
+            message += &format!("\n\n{} mistakes", mistakes.len());
+        }
+        Self {
+            exit: Exit::BadInput,
+            message,
+        }
+    }
+}
+
+/// Does what the command line says.
+pub(crate) fn main() -> Exit {
+    let typed = match args::Typed::try_parse() {
+        Ok(typed) => typed,
+        Err(answer) => {
+            // Help and version go to standard output, mistakes to standard
+            // error; a reader who went away needs neither.
+            let _ = answer.print();
+            return if answer.use_stderr() {
+                Exit::BadInput
+            } else {
+                Exit::Done
+            };
+        }
+    };
+    let done = match &typed.command {
+        args::Command::Render(typed) => render::run(typed),
+        args::Command::Check(typed) => check::run(typed),
+    };
+    done.unwrap_or_else(|failure| {
+        tell(failure.message.trim_end());
+        failure.exit
+    })
+}
+
+/// Says something to a person, on standard error.
+fn tell(text: impl Display) {
+    // Nobody may be listening, which is no reason to stop working.
+    let _ = writeln!(io::stderr(), "{text}");
+}
+
+/// Puts data that was asked for on standard output.
+fn deliver(text: impl Display) -> Result<(), String> {
+    writeln!(io::stdout(), "{text}").map_err(|e| format!("cannot write to standard output: {e}"))
+}
+
+/// Whether words for people may be coloured (see no-color.org).
+fn colour() -> bool {
+    io::stderr().is_terminal() && std::env::var_os("NO_COLOR").is_none_or(|v| v.is_empty())
+}

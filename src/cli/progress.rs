@@ -1,0 +1,215 @@
+//! Progress: a bar on a terminal, plain lines elsewhere, nothing when quiet.
+
+use std::{
+    io::{self, IsTerminal},
+    time::Duration,
+};
+
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+
+use nephroid::render::Progress;
+
+/// Steps of the bar: finer than any terminal is wide.
+const STEPS: u64 = 1000;
+
+/// Least time between two plain lines.
+const LINE_EVERY: Duration = Duration::from_secs(5);
+
+/// Shows how far a render is.
+pub(crate) enum Reporter {
+    /// A bar on standard error.
+    Bar(ProgressBar),
+    /// Lines on standard error; the time of the last one.
+    Lines(Option<Duration>),
+    /// Nothing.
+    Quiet,
+}
+
+/// Where a render will stop.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Goal {
+    /// Number of passes, if one was asked for.
+    pub(crate) passes: Option<u32>,
+    /// Time, if one was asked for.
+    pub(crate) time: Option<Duration>,
+}
+
+impl Reporter {
+    /// The way that suits where standard error goes.
+    pub(crate) fn new(quiet: bool) -> Self {
+        if quiet {
+            Self::Quiet
+        } else if io::stderr().is_terminal() {
+            let bar = ProgressBar::with_draw_target(Some(STEPS), ProgressDrawTarget::stderr());
+            let style = ProgressStyle::with_template("{wide_bar} {msg}");
+            bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
+            bar.set_message("first pass");
+            bar.tick();
+            Self::Bar(bar)
+        } else {
+            Self::Lines(None)
+        }
+    }
+
+    /// Shows `progress` towards `goal`.
+    pub(crate) fn show(&mut self, progress: &Progress, goal: Goal) {
+        match self {
+            Self::Bar(bar) => {
+                bar.set_position((fraction(progress, goal) * STEPS as f64) as u64);
+                bar.set_message(line(progress, goal));
+            }
+            Self::Lines(last) => {
+                let is_last = goal.passes == Some(progress.passes_done);
+                let is_due = last.is_none_or(|last| progress.elapsed >= last + LINE_EVERY);
+                if is_due || is_last {
+                    *last = Some(progress.elapsed);
+                    super::tell(line(progress, goal));
+                }
+            }
+            Self::Quiet => {}
+        }
+    }
+
+    /// Takes the bar away.
+    pub(crate) fn finish(self) {
+        if let Self::Bar(bar) = self {
+            bar.finish_and_clear();
+        }
+    }
+}
+
+/// The part of the way that is done: 0 to 1, by the goal that is nearer.
+fn fraction(progress: &Progress, goal: Goal) -> f64 {
+    let by_passes = goal
+        .passes
+        .map_or(0.0, |n| f64::from(progress.passes_done) / f64::from(n));
+    let by_time = goal.time.map_or(0.0, |time| {
+        progress.elapsed.as_secs_f64() / time.as_secs_f64()
+    });
+    by_passes.max(by_time).clamp(0.0, 1.0)
+}
+
+/// Time left by the goal that is nearer, from the pace so far.
+fn left(progress: &Progress, goal: Goal) -> Option<Duration> {
+    let done = f64::from(progress.passes_done);
+    let by_passes = goal.passes.filter(|_| done > 0.0).map(|n| {
+        let open = f64::from(n.saturating_sub(progress.passes_done));
+        progress.elapsed.mul_f64(open / done)
+    });
+    let by_time = goal.time.map(|time| time.saturating_sub(progress.elapsed));
+    match (by_passes, by_time) {
+        (Some(a), Some(b)) => Some(a.min(b)),
+        (a, b) => a.or(b),
+    }
+}
+
+fn line(progress: &Progress, goal: Goal) -> String {
+    let pass = progress.passes_done;
+    let mut parts = vec![match goal.passes {
+        Some(n) => format!("pass {pass}/{n}"),
+        None => format!("pass {pass}"),
+    }];
+    let seconds = progress.elapsed.as_secs_f64();
+    if progress.photons_emitted > 0 && seconds > 0.0 {
+        let pace = progress.photons_emitted as f64 / seconds;
+        parts.push(format!("{}photons/s", si(pace)));
+    }
+    if let Some(left) = left(progress, goal) {
+        parts.push(format!("{} left", clock(left)));
+    }
+    parts.join(", ")
+}
+
+/// Three digits, a prefix and spaces, ready for a unit: `1.23 M `, `45 `.
+fn si(value: f64) -> String {
+    let (value, prefix) = match value {
+        v if v >= 1e9 => (v / 1e9, "G "),
+        v if v >= 1e6 => (v / 1e6, "M "),
+        v if v >= 1e3 => (v / 1e3, "k "),
+        v => (v, ""),
+    };
+    let digits = match value {
+        v if v >= 100.0 || prefix.is_empty() => 0,
+        v if v >= 10.0 => 1,
+        _ => 2,
+    };
+    format!("{value:.digits$} {prefix}")
+}
+
+/// A length of time in its two largest units: `1h 05m`, `3m 20s`, `12s`.
+fn clock(time: Duration) -> String {
+    let seconds = time.as_secs() + u64::from(time.subsec_millis() >= 500);
+    match (seconds / 3600, seconds / 60 % 60, seconds % 60) {
+        (0, 0, s) => format!("{s}s"),
+        (0, m, s) => format!("{m}m {s:02}s"),
+        (h, m, _) => format!("{h}h {m:02}m"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn at(passes_done: u32, photons_emitted: u64, seconds: u64) -> Progress {
+        Progress {
+            passes_done,
+            passes_total: 64,
+            photons_emitted,
+            elapsed: Duration::from_secs(seconds),
+        }
+    }
+
+    fn goal(passes: Option<u32>, seconds: Option<u64>) -> Goal {
+        Goal {
+            passes,
+            time: seconds.map(Duration::from_secs),
+        }
+    }
+
+    #[test]
+    fn lines_say_passes_pace_and_time_left() {
+        let progress = at(16, 24_600_000, 20);
+        assert_eq!(
+            line(&progress, goal(Some(64), None)),
+            "pass 16/64, 1.23 M photons/s, 1m 00s left"
+        );
+        assert_eq!(
+            line(&progress, goal(Some(64), Some(30))),
+            "pass 16/64, 1.23 M photons/s, 10s left"
+        );
+        assert_eq!(
+            line(&at(16, 0, 20), goal(None, Some(30))),
+            "pass 16, 10s left"
+        );
+    }
+
+    #[test]
+    fn the_nearer_goal_counts() {
+        assert_eq!(fraction(&at(16, 0, 20), goal(Some(64), None)), 0.25);
+        assert_eq!(fraction(&at(16, 0, 20), goal(Some(64), Some(40))), 0.5);
+        assert_eq!(fraction(&at(48, 0, 20), goal(Some(64), Some(40))), 0.75);
+        assert_eq!(fraction(&at(48, 0, 90), goal(None, Some(40))), 1.0);
+    }
+
+    #[test]
+    fn numbers_and_times() {
+        for (value, text) in [
+            (0.4, "0 "),
+            (45.0, "45 "),
+            (1234.0, "1.23 k "),
+            (45_600.0, "45.6 k "),
+            (789e6, "789 M "),
+            (2.5e9, "2.50 G "),
+        ] {
+            assert_eq!(si(value), text);
+        }
+        for (millis, text) in [
+            (400, "0s"),
+            (1_600, "2s"),
+            (200_000, "3m 20s"),
+            (3_900_000, "1h 05m"),
+        ] {
+            assert_eq!(clock(Duration::from_millis(millis)), text);
+        }
+    }
+}

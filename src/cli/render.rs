@@ -1,0 +1,269 @@
+//! `nephroid render`: from what was typed to the files.
+//!
+//! Everything that can be found wrong is found before the first photon: the
+//! names of the files, whether they can be written, the scene, the crop.
+
+use std::{fs, ops::ControlFlow, path::Path, time::Duration};
+
+use nephroid::{
+    film::{self, Film, OutputError, Provenance, Window, atomic},
+    render::{self, Job, Outcome, Progress},
+    scene::{self, Scene},
+};
+
+use super::{
+    Exit, Failure,
+    args::RenderArgs,
+    deliver,
+    interrupt::Interrupt,
+    progress::{Goal, Reporter},
+    tell,
+    values::{Crop, Format, Output, default_outputs},
+};
+
+/// Most pixels a film may have: at [`Film::BYTES_PER_PIXEL`] bytes each, some
+/// 38 GB. Larger pictures are rendered in crops.
+const MOST_PIXELS: u64 = 1 << 26;
+
+/// Where the report goes as JSON.
+enum Json<'a> {
+    StandardOutput,
+    File(&'a Path),
+}
+
+/// Renders and writes the files.
+pub(super) fn run(typed: &RenderArgs) -> Result<Exit, Failure> {
+    let outputs = if typed.output.is_empty() {
+        default_outputs(&typed.scene)
+    } else {
+        typed.output.clone()
+    };
+    let json = typed.json.as_deref().map(|path| match path.to_str() {
+        Some("-") => Json::StandardOutput,
+        _ => Json::File(path),
+    });
+    probe(&outputs, json.as_ref())?;
+    let scene = scene::load(&typed.scene).map_err(|mistakes| Failure::scene(&mistakes))?;
+    let job = job(typed, &scene)?;
+    if let Some(threads) = typed.threads {
+        rayon::ThreadPoolBuilder::new()
+            .num_threads(threads.into())
+            .build_global()
+            .map_err(|e| Failure::fault(format!("cannot start {threads} threads: {e}")))?;
+    }
+    let interrupt = Interrupt::listen();
+    let (outcome, last) = render(typed, &scene, &job, &interrupt);
+    let was_interrupted = outcome.interrupted && interrupt.is_requested();
+    interrupt.start_saving();
+    let provenance = Provenance {
+        scene_hash: fingerprint(&typed.scene),
+        seed: job.settings.seed,
+        photons: last.photons_emitted,
+        render_seconds: last.elapsed.as_secs_f64(),
+        further: Vec::new(),
+    };
+    save(&outcome, &outputs, &job, &provenance, json.as_ref())?;
+    if !typed.quiet {
+        tell(outcome.report.to_string().trim_end());
+        for output in &outputs {
+            tell(format_args!("wrote {}", output.path.display()));
+        }
+    }
+    Ok(if was_interrupted {
+        Exit::Interrupted
+    } else {
+        Exit::Done
+    })
+}
+
+/// Finds out whether the files can be written, before any work.
+fn probe(outputs: &[Output], json: Option<&Json>) -> Result<(), Failure> {
+    let mut paths: Vec<&Path> = outputs.iter().map(|o| o.path.as_path()).collect();
+    if let Some(Json::File(path)) = json {
+        paths.push(path);
+    }
+    for (i, path) in paths.iter().enumerate() {
+        if paths[..i].contains(path) {
+            let message = format!("{} is to be written twice", path.display());
+            return Err(Failure::bad_input(message));
+        }
+        atomic::probe(path).map_err(|e| match e {
+            OutputError::Io { .. } | OutputError::Encode { .. } => Failure::fault(e),
+            _ => Failure::bad_input(e),
+        })?;
+    }
+    Ok(())
+}
+
+/// The scene's settings with what was typed laid over them.
+fn job(typed: &RenderArgs, scene: &Scene) -> Result<Job, Failure> {
+    let mut settings = scene.settings.clone();
+    if let Some(passes) = typed.passes {
+        settings.passes = passes;
+    }
+    if let Some(seed) = typed.seed {
+        settings.seed = seed;
+    }
+    if typed.photons.is_some() {
+        settings.photons = typed.photons;
+    }
+    let resolution = typed.resolution.unwrap_or(scene.resolution);
+    if let Some(crop) = typed.crop {
+        check_crop(crop, resolution)?;
+    }
+    let [width, height] = typed.crop.map_or(resolution, |crop| crop.size);
+    if u64::from(width) * u64::from(height) > MOST_PIXELS {
+        return Err(Failure::bad_input(format!(
+            "{width} x {height} pixels are more than one render can hold \
+             ({MOST_PIXELS} pixels, {} bytes each); render it in parts with --crop",
+            Film::BYTES_PER_PIXEL
+        )));
+    }
+    Ok(Job {
+        settings,
+        resolution,
+        crop: typed
+            .crop
+            .map(|c| [c.origin[0], c.origin[1], c.size[0], c.size[1]]),
+        time: typed.time,
+    })
+}
+
+fn check_crop(crop: Crop, resolution: [u32; 2]) -> Result<(), Failure> {
+    let ends = |axis: usize| u64::from(crop.origin[axis]) + u64::from(crop.size[axis]);
+    if ends(0) <= u64::from(resolution[0]) && ends(1) <= u64::from(resolution[1]) {
+        return Ok(());
+    }
+    let ([x, y], [w, h], [width, height]) = (crop.origin, crop.size, resolution);
+    Err(Failure::bad_input(format!(
+        "the crop {x},{y},{w}x{h} does not lie inside the picture of {width} x {height} pixels"
+    )))
+}
+
+/// Runs the passes; also the last progress that was reported.
+fn render(
+    typed: &RenderArgs,
+    scene: &Scene,
+    job: &Job,
+    interrupt: &Interrupt,
+) -> (Outcome, Progress) {
+    // With a time given the scene's number of passes is no limit, but one that
+    // was typed is, and the one that is reached first ends the render.
+    let goal = match job.time {
+        None => Goal {
+            passes: Some(job.settings.passes),
+            time: None,
+        },
+        time => Goal {
+            passes: typed.passes,
+            time,
+        },
+    };
+    let mut reporter = Reporter::new(typed.quiet);
+    let mut last = Progress {
+        passes_done: 0,
+        passes_total: job.settings.passes,
+        photons_emitted: 0,
+        elapsed: Duration::ZERO,
+    };
+    let outcome = render::run(scene, job, &mut |progress: &Progress| {
+        reporter.show(progress, goal);
+        last = *progress;
+        let is_enough = goal.passes.is_some_and(|n| progress.passes_done >= n);
+        if is_enough || interrupt.is_requested() {
+            ControlFlow::Break(())
+        } else {
+            ControlFlow::Continue(())
+        }
+    });
+    reporter.finish();
+    (outcome, last)
+}
+
+/// Writes every file, also after one has failed: what was computed is worth
+/// more than the order of the messages.
+fn save(
+    outcome: &Outcome,
+    outputs: &[Output],
+    job: &Job,
+    provenance: &Provenance,
+    json: Option<&Json>,
+) -> Result<(), Failure> {
+    let film = &outcome.film;
+    let window = Window {
+        full: job.resolution,
+        origin: job.crop.map_or([0, 0], |[x, y, ..]| [x, y]),
+    };
+    let mut faults: Vec<String> = Vec::new();
+    for Output { path, format } in outputs {
+        let written = match format {
+            Format::Exr => film::write_film(path, film, window, provenance),
+            Format::Png => film::write_png(path, &film.image(), job.settings.exposure),
+        };
+        faults.extend(written.err().map(|e| e.to_string()));
+    }
+    if let Some(json) = json
+        && let Err(fault) = save_report(outcome, json)
+    {
+        faults.push(fault);
+    }
+    if faults.is_empty() {
+        Ok(())
+    } else {
+        Err(Failure::fault(faults.join("\nerror: ")))
+    }
+}
+
+fn save_report(outcome: &Outcome, json: &Json) -> Result<(), String> {
+    let text = serde_json::to_string_pretty(&outcome.report).map_err(|e| e.to_string())?;
+    match json {
+        Json::StandardOutput => deliver(text),
+        Json::File(path) => {
+            atomic::write_whole(path, |file| writeln!(file, "{text}")).map_err(|e| e.to_string())
+        }
+    }
+}
+
+/// A fingerprint of the scene file's text: 128-bit FNV-1a in hexadecimal. Tells
+/// apart what changed by accident; it is no proof against intent, and files the
+/// scene names are not part of it.
+fn fingerprint(scene: &Path) -> String {
+    // The file was there a moment ago; if it is gone, its print is unknown.
+    fs::read(scene).map_or_else(
+        |_| String::new(),
+        |bytes| format!("{:032x}", fnv_1a(&bytes)),
+    )
+}
+
+/// Fowler, Noll, Vo: FNV-1a with 128 bits; the constants are the authors'.
+fn fnv_1a(bytes: &[u8]) -> u128 {
+    const OFFSET: u128 = 0x6c62_272e_07bb_0142_62b8_2175_6295_c58d;
+    const PRIME: u128 = 0x0000_0000_0100_0000_0000_0000_0000_013b;
+    bytes.iter().fold(OFFSET, |hash, &byte| {
+        (hash ^ u128::from(byte)).wrapping_mul(PRIME)
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn fingerprints_follow_the_published_vectors() {
+        assert_eq!(fnv_1a(b"a"), 0xd228_cb69_6f1a_8caf_7891_2b70_4e4a_8964);
+        assert_eq!(fnv_1a(b"foobar"), 0x343e_1662_793c_64bf_6f0d_3597_ba44_6f18);
+    }
+
+    #[test]
+    fn a_crop_lies_inside_the_picture() {
+        let crop = |x, y, w, h| Crop {
+            origin: [x, y],
+            size: [w, h],
+        };
+        assert!(check_crop(crop(0, 0, 8, 6), [8, 6]).is_ok());
+        assert!(check_crop(crop(7, 5, 1, 1), [8, 6]).is_ok());
+        assert!(check_crop(crop(1, 0, 8, 6), [8, 6]).is_err());
+        assert!(check_crop(crop(0, 1, 8, 6), [8, 6]).is_err());
+        assert!(check_crop(crop(u32::MAX, 0, 8, 6), [8, 6]).is_err());
+    }
+}
