@@ -59,7 +59,7 @@ pub fn trace(
             break;
         }
         stream.seek(emit::DIMENSIONS + 2 * depth);
-        let lobe = lobes.choose(stream.next_1d());
+        let lobe = lobes.choose(|| stream.next_1d());
         flux = scatter(flux, &lobe, tally);
         let q = survival(flux, emission.flux);
         if q < 1.0 && stream.next_1d() >= q {

@@ -14,7 +14,10 @@ use crate::{
     scene::{Scene, Settings},
 };
 
-use super::{LightReport, REPLICATES, Renderer, Report};
+use super::{
+    LightReport, REPLICATES, Renderer, Report,
+    memory::{TooLarge, photon_budget},
+};
 
 /// Starts with which the power that is not aimed at casters is estimated.
 const NOT_AIMED_SAMPLES: u64 = 4096;
@@ -42,6 +45,23 @@ impl Job {
             crop: None,
             time: None,
         }
+    }
+}
+
+impl Job {
+    /// Whether the job fits into its memory budget.
+    ///
+    /// # Errors
+    /// If it does not; see [`TooLarge`].
+    pub fn check(&self) -> Result<(), TooLarge> {
+        let [_, _, width, height] = self.window();
+        photon_budget([width, height], self.settings.memory).map(|_| ())
+    }
+
+    /// The window to render: x, y, width, height in pixels.
+    pub fn window(&self) -> [u32; 4] {
+        self.crop
+            .unwrap_or([0, 0, self.resolution[0], self.resolution[1]])
     }
 }
 
@@ -89,9 +109,7 @@ pub fn run(
     on_progress: &mut dyn FnMut(&Progress) -> ControlFlow<()>,
 ) -> Outcome {
     let start = Instant::now();
-    let crop = job
-        .crop
-        .unwrap_or([0, 0, job.resolution[0], job.resolution[1]]);
+    let crop = job.window();
     let renderer = Renderer::new(scene, &job.settings, job.resolution, crop);
     let mut film = Film::new(crop[2], crop[3], quantum(scene));
     let mut totals = Totals {

@@ -7,11 +7,13 @@
 
 mod camera_walk;
 mod driver;
+mod memory;
 mod pass;
 mod report;
 mod schedule;
 
 pub use driver::{Job, Outcome, Progress, run};
+pub use memory::TooLarge;
 pub use pass::{PassOutput, Renderer};
 pub use report::{LightReport, Report};
 pub use schedule::{REPLICATES, Schedule};

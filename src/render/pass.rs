@@ -6,7 +6,7 @@ use rayon::prelude::*;
 
 use crate::{
     film::PixelSample,
-    photon::{BYTES_PER_PHOTON, Emitter, PhotonMap, Shot, Tally, shoot},
+    photon::{Emitter, PhotonMap, Shot, Tally, shoot},
     plan::Plan,
     sampling::{Purpose, Sequence},
     scene::{Scene, Settings},
@@ -15,6 +15,7 @@ use crate::{
 
 use super::{
     camera_walk::{CameraTally, Gather},
+    memory::{FEWEST_PHOTONS, photon_budget},
     schedule::{REPLICATES, Schedule},
 };
 
@@ -30,9 +31,6 @@ const VISITS_PER_SAMPLE: f64 = 64.0;
 /// Photon paths and camera samples of the pilot that counts those visits.
 const PILOT_PHOTONS: u64 = 1 << 14;
 const PILOT_SAMPLES: u32 = 1 << 10;
-
-/// Fewest photon paths of a pass.
-const FEWEST_PHOTONS: u64 = 1 << 12;
 
 /// Everything that passes of one render share.
 pub struct Renderer<'a> {
@@ -176,8 +174,7 @@ impl<'a> Renderer<'a> {
 
     /// Photon paths of a pass: what the user says, or a power of two near the
     /// number of pixels, less where the pilot finds light concentrated; never
-    /// more than the memory budget holds, since every path stores at most one
-    /// photon.
+    /// more than the memory budget holds.
     fn photon_paths(&self) -> u64 {
         let wanted = self.settings.photons.unwrap_or_else(|| {
             let pixels = u64::from(self.crop[2]) * u64::from(self.crop[3]);
@@ -189,7 +186,10 @@ impl<'a> Renderer<'a> {
             let affordable = 1u64 << (affordable as u64).max(1).ilog2();
             affordable.clamp(FEWEST_PHOTONS, most)
         });
-        wanted.clamp(1, (self.settings.memory / BYTES_PER_PHOTON).max(1))
+        // A job that was checked has room for a few; one that was not gets them.
+        let size = [self.crop[2], self.crop[3]];
+        let room = photon_budget(size, self.settings.memory).unwrap_or(FEWEST_PHOTONS);
+        wanted.clamp(1, room)
     }
 
     /// Photons looked at per camera sample when the pilot's photons are in

@@ -16,7 +16,8 @@ pub struct Settings {
     pub indirect: bool,
     /// Longest chain of surface interactions of a photon or camera path.
     pub max_depth: u32,
-    /// Memory that one pass may use for its photon map, in bytes.
+    /// Memory that the film and the photons of a pass may take together, in
+    /// bytes.
     pub memory: u64,
     /// Exposure of the PNG in stops (powers of two); `None` exposes so that
     /// the mean of the picture becomes a middle grey.
@@ -32,7 +33,7 @@ impl Default for Settings {
             radius: 2.0,
             indirect: true,
             max_depth: 64,
-            memory: 1 << 30,
+            memory: 8 << 30,
             exposure: None,
         }
     }

@@ -46,12 +46,14 @@ pub enum Lobes {
 }
 
 impl Lobes {
-    /// Follows one lobe by its share, with `u` in `[0, 1)`.
+    /// Follows one lobe by its share. The random number is asked for only
+    /// where there is a choice, so that surfaces without one leave a path's
+    /// numbers as they are.
     #[inline]
-    pub fn choose(self, u: f64) -> Lobe {
+    pub fn choose(self, u: impl FnOnce() -> f64) -> Lobe {
         match self {
             Self::Two(a, b) => {
-                if u < a.share {
+                if u() < a.share {
                     a
                 } else {
                     b

@@ -75,7 +75,7 @@ impl Walker {
                 return End::Truncated;
             }
             let lobe = match lobes {
-                Lobes::Two(a, b) if splits > 0 => {
+                Lobes::Two(a, b) if splits > 0 && a.share > 0.0 => {
                     splits -= 1;
                     let (main, side) = if a.share < b.share { (b, a) } else { (a, b) };
                     let mut other = *self;
@@ -85,7 +85,7 @@ impl Walker {
                     self.throughput *= main.share;
                     main
                 }
-                lobes => lobes.choose(stream.next_1d()),
+                lobes => lobes.choose(|| stream.next_1d()),
             };
             self.throughput *= lobe.weight;
             if self.throughput.is_black() {

@@ -1,0 +1,75 @@
+//! What a render needs of memory, and what its budget leaves for photons.
+
+use thiserror::Error;
+
+use crate::{
+    film::{Film, PixelSample},
+    photon::BYTES_PER_PHOTON,
+};
+
+/// Fewest photon paths of a pass that the program chooses, and fewest that
+/// any budget must leave room for.
+pub(super) const FEWEST_PHOTONS: u64 = 1 << 12;
+
+/// Bytes per pixel: the film's sums and a pass's samples, which exist twice
+/// while rows are joined. The images made at the end take less.
+const BYTES_PER_PIXEL: u64 = Film::BYTES_PER_PIXEL as u64 + 2 * size_of::<PixelSample>() as u64;
+
+/// The picture does not fit into the memory budget.
+#[derive(Clone, Copy, Debug, Error, PartialEq, Eq)]
+#[error(
+    "a film of {} x {} pixels needs {}, but the memory budget is {}; render it in parts with a crop, or raise render.memory",
+    size[0], size[1], mebibytes(*.needed), mebibytes(*.budget)
+)]
+pub struct TooLarge {
+    /// Width and height of the window in pixels.
+    pub size: [u32; 2],
+    /// Bytes that film and smallest photon map need.
+    pub needed: u64,
+    /// Bytes allowed.
+    pub budget: u64,
+}
+
+fn mebibytes(bytes: u64) -> String {
+    format!("{} MiB", bytes.div_ceil(1 << 20))
+}
+
+/// The most photon paths that a pass over a window of `size` pixels may have,
+/// since every path stores at most one photon.
+///
+/// # Errors
+/// If the film alone, with room for a few photons, exceeds the budget.
+pub(super) fn photon_budget(size: [u32; 2], budget: u64) -> Result<u64, TooLarge> {
+    let film = u64::from(size[0]) * u64::from(size[1]) * BYTES_PER_PIXEL;
+    let needed = film + FEWEST_PHOTONS * BYTES_PER_PHOTON;
+    if needed > budget {
+        return Err(TooLarge {
+            size,
+            needed,
+            budget,
+        });
+    }
+    Ok((budget - film) / BYTES_PER_PHOTON)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn film_and_photons_share_the_budget() {
+        let size = [1920, 1080];
+        let film = 1920 * 1080 * BYTES_PER_PIXEL;
+        let photons = photon_budget(size, film + 1_000_000 * BYTES_PER_PHOTON);
+        assert_eq!(photons, Ok(1_000_000));
+        let refused = photon_budget(size, film).expect_err("no room for photons");
+        assert!(
+            refused.needed > film && refused.to_string().contains("render.memory"),
+            "{refused}"
+        );
+        assert!(
+            photon_budget([u32::MAX, u32::MAX], u64::MAX - 1).is_err(),
+            "no overflow"
+        );
+    }
+}
