@@ -11,11 +11,14 @@ Exit codes:
   0  done
   1  the render or the writing of a file failed
   2  bad input: the command line or the scene
-  3  interrupted; what was reached is saved";
+  3  interrupted; what was reached is saved
+
+Ctrl-C finishes the pass under way and saves; a second one stops at once and
+saves nothing.";
 
 /// Renders caustics: light that glass, water and mirrors throw onto things.
 #[derive(Debug, Parser)]
-#[command(name = "nephroid", version, about, after_help = AFTER_HELP, max_term_width = 100)]
+#[command(name = "nephroid", version, about, after_help = AFTER_HELP)]
 pub(crate) struct Typed {
     #[command(subcommand)]
     pub(crate) command: Command,
@@ -29,30 +32,27 @@ pub(crate) enum Command {
     Check(CheckArgs),
 }
 
-/// Render a scene to EXR and PNG files.
-///
-/// Interrupted once (Ctrl-C), the pass under way is finished, what was reached
-/// is saved, and the exit code is 3. Interrupted twice, the program stops at
-/// once and saves nothing.
+/// What `render` was told.
 #[derive(Args, Debug)]
 #[command(after_help = AFTER_HELP)]
 pub(crate) struct RenderArgs {
     /// The scene file (RON)
     pub(crate) scene: PathBuf,
 
-    /// File to write, .exr (linear, with layers) or .png (for the eye); may be
-    /// given several times [default: the scene's name with .exr and .png, here]
-    #[arg(short, long = "output", value_name = "FILE", value_parser = output)]
+    /// File to write: .exr (linear, with layers) or .png (for the eye).
+    /// May be given several times
+    /// [default: the scene's name with .exr and .png, here]
+    #[arg(short, long = "output", value_name = "FILE", value_parser = output, verbatim_doc_comment)]
     pub(crate) output: Vec<Output>,
 
     /// Number of passes [default: the scene's]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     pub(crate) passes: Option<u32>,
 
-    /// Time to render for, such as 30s, 2m, 1h30m or 500ms, instead of the scene's
-    /// number of passes; the pass under way is finished. With --passes, whichever
-    /// comes first
-    #[arg(long, value_name = "TIME", value_parser = duration)]
+    /// Render for a time such as 30s, 2m, 1h30m or 500ms instead of
+    /// the scene's number of passes; the pass under way is finished.
+    /// With --passes, whichever comes first
+    #[arg(long, value_name = "TIME", value_parser = duration, verbatim_doc_comment)]
     pub(crate) time: Option<Duration>,
 
     /// Seed of the random numbers [default: the scene's]
@@ -67,9 +67,9 @@ pub(crate) struct RenderArgs {
     #[arg(long, value_name = "WxH", value_parser = resolution)]
     pub(crate) resolution: Option<[u32; 2]>,
 
-    /// Render only a rectangle of the picture: column and row of its top left
-    /// pixel, then its size
-    #[arg(long, value_name = "X,Y,WxH", value_parser = crop)]
+    /// Render only a rectangle of the picture:
+    /// column and row of its top left pixel, then its size
+    #[arg(long, value_name = "X,Y,WxH", value_parser = crop, verbatim_doc_comment)]
     pub(crate) crop: Option<Crop>,
 
     /// Photon paths per pass [default: the scene's, or chosen by the program]
@@ -85,6 +85,7 @@ pub(crate) struct RenderArgs {
     pub(crate) json: Option<PathBuf>,
 }
 
+/// What `check` was told.
 #[derive(Args, Debug)]
 #[command(after_help = "Exit codes: 0 if the scene is in order, 2 if it is not.")]
 pub(crate) struct CheckArgs {

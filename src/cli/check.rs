@@ -54,7 +54,7 @@ fn mistake(found: &Diagnostic) -> Value {
     let mut value = json!({
         "file": found.file,
         "message": found.message,
-        "expected": found.label,
+        "label": found.label,
         "help": found.help,
         "note": found.note,
     });

@@ -64,13 +64,13 @@ impl Failure {
 
     /// The mistakes in a scene file, which bring their own headings.
     fn scene(mistakes: &nephroid::scene::Diagnostics) -> Self {
-        let mut message = mistakes.render(colour());
-        if mistakes.len() > 1 {
-            message += &format!("\n\n{} mistakes", mistakes.len());
-        }
+        let shown = mistakes.render(colour());
         Self {
             exit: Exit::BadInput,
-            message,
+            message: match mistakes.len() {
+                1 => shown,
+                n => format!("{shown}\n\n{n} mistakes"),
+            },
         }
     }
 }
