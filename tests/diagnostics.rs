@@ -21,15 +21,20 @@ struct Expectation {
 
 fn corpus() -> Vec<PathBuf> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/broken");
-    let files = fs::read_dir(folder).expect("the corpus").map(|entry| entry.expect("a file").path());
-    let mut scenes: Vec<PathBuf> =
-        files.filter(|path| path.extension().is_some_and(|e| e == "ron")).collect();
+    let files = fs::read_dir(folder)
+        .expect("the corpus")
+        .map(|entry| entry.expect("a file").path());
+    let mut scenes: Vec<PathBuf> = files
+        .filter(|path| path.extension().is_some_and(|e| e == "ron"))
+        .collect();
     scenes.sort();
     scenes
 }
 
 fn expectations(text: &str) -> Vec<Expectation> {
-    let lines = text.lines().map_while(|line| line.strip_prefix("// expect "));
+    let lines = text
+        .lines()
+        .map_while(|line| line.strip_prefix("// expect "));
     lines
         .map(|line| {
             let parts: Vec<&str> = line.split(" | ").map(str::trim).collect();
@@ -55,13 +60,21 @@ fn difference(scene: &Path, wanted: &Expectation, found: &Diagnostic) -> Option<
         format!("{}{}", folder.display(), wanted.place)
     };
     if found.location() != place {
-        return Some(format!("expected at {place}, found at {}", found.location()));
+        return Some(format!(
+            "expected at {place}, found at {}",
+            found.location()
+        ));
     }
     let rendered = found.render(false);
     if !found.message.contains(&wanted.message) {
         return Some(format!("expected the message {:?}", wanted.message));
     }
-    if !found.help.as_deref().unwrap_or_default().contains(&wanted.help) {
+    if !found
+        .help
+        .as_deref()
+        .unwrap_or_default()
+        .contains(&wanted.help)
+    {
         return Some(format!("expected the remedy {:?}", wanted.help));
     }
     if let Place::Text { line, column } = found.place {
@@ -86,7 +99,11 @@ fn errors_of(scene: &Path) -> Diagnostics {
 #[test]
 fn every_broken_scene_is_explained_where_it_is_broken() {
     let scenes = corpus();
-    assert!(scenes.len() >= 60, "the corpus has only {} scenes", scenes.len());
+    assert!(
+        scenes.len() >= 60,
+        "the corpus has only {} scenes",
+        scenes.len()
+    );
     let mut failures = String::new();
     for scene in scenes {
         let wanted = expectations(&fs::read_to_string(&scene).expect("a scene"));
@@ -98,7 +115,11 @@ fn every_broken_scene_is_explained_where_it_is_broken() {
             .filter_map(|(w, f)| difference(&scene, w, f))
             .collect();
         if wanted.len() != found.len() {
-            complaints.push(format!("expected {} mistakes, found {}", wanted.len(), found.len()));
+            complaints.push(format!(
+                "expected {} mistakes, found {}",
+                wanted.len(),
+                found.len()
+            ));
         }
         if !complaints.is_empty() {
             let name = scene.file_name().expect("a name").display();
@@ -133,9 +154,22 @@ fn files_that_are_no_scenes_are_refused() {
 fn places_hold_behind_tabs_and_wide_characters() {
     let text = "(\n\t/* größe 光 */ camera: 3,\n)";
     let found = load_str(text, "x.ron", Path::new("")).expect_err("broken");
-    let camera = found.iter().find(|d| d.message.contains("wrong type")).expect("a mistake");
-    assert_eq!(camera.place, Place::Text { line: 2, column: 24 });
-    assert!(camera.render(false).contains("x.ron:2:24\n"), "{}", camera.render(false));
+    let camera = found
+        .iter()
+        .find(|d| d.message.contains("wrong type"))
+        .expect("a mistake");
+    assert_eq!(
+        camera.place,
+        Place::Text {
+            line: 2,
+            column: 24
+        }
+    );
+    assert!(
+        camera.render(false).contains("x.ron:2:24\n"),
+        "{}",
+        camera.render(false)
+    );
 }
 
 #[test]
@@ -147,6 +181,10 @@ fn thousands_of_mistakes_are_cut_short() {
     // Three per object, and the missing camera and image.
     assert_eq!(found.len(), 15_002);
     let shown = found.to_string();
-    assert!(shown.contains("and 14982 more mistakes"), "{}", &shown[shown.len() - 200..]);
+    assert!(
+        shown.contains("and 14982 more mistakes"),
+        "{}",
+        &shown[shown.len() - 200..]
+    );
     assert!(shown.lines().count() < 300);
 }

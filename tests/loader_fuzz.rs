@@ -34,7 +34,8 @@ const VALID: &str = r##"#![enable(implicit_some)]
 )
 "##;
 
-const OBJ: &str = "# a square\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvn 0 0 1\nf 1//1 2//1 3//1 4//1\nf -1 -2 -3\n";
+const OBJ: &str =
+    "# a square\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvn 0 0 1\nf 1//1 2//1 3//1 4//1\nf -1 -2 -3\n";
 
 fn ply(format: &str) -> Vec<u8> {
     let mut bytes = format!(
@@ -76,7 +77,10 @@ fn throw(text: &str) {
     assert!(!found.is_empty(), "refused without a reason");
     for d in &found {
         assert!(!d.message.is_empty());
-        assert!(d.span.start <= d.span.end && d.span.end <= text.len(), "{d:?}");
+        assert!(
+            d.span.start <= d.span.end && d.span.end <= text.len(),
+            "{d:?}"
+        );
         if let Place::Text { line, column } = d.place {
             assert!(line >= 1 && line <= text.matches('\n').count() + 1, "{d:?}");
             assert!(column >= 1, "{d:?}");
@@ -89,7 +93,12 @@ fn throw_mesh(name: &str, bytes: &[u8]) {
     match mesh_file::parse(name, bytes) {
         Ok(mesh) => {
             let count = mesh.vertices.len();
-            assert!(mesh.triangles.iter().flatten().all(|&i| (i as usize) < count));
+            assert!(
+                mesh.triangles
+                    .iter()
+                    .flatten()
+                    .all(|&i| (i as usize) < count)
+            );
             assert!(mesh.vertices.iter().all(|v| v.is_finite()));
             assert!(mesh.normals.is_none_or(|n| {
                 n.len() == count && n.iter().all(|n| (n.length() - 1.0).abs() < 1e-12)
@@ -113,9 +122,32 @@ fn edits() -> impl Strategy<Value = Vec<Edit>> {
         "[()\\[\\]{},:\"'#/*\\\\]{1,3}",
         "[a-z]{1,4}",
         prop::sample::select(vec![
-            "NaN", "inf", "-inf", "1e400", "-0.0", "1e-320", "0", "-1", "None", "Some(", "\u{0}", "é",
-            "\u{feff}", "r#\"", "/*", "*/", "//", "true", "()", "0x1F", "1_000", "18446744073709551616",
-            "Sphere", "Mesh(file: \"/\")", "\"#zzzzzz\"", "open: true,",
+            "NaN",
+            "inf",
+            "-inf",
+            "1e400",
+            "-0.0",
+            "1e-320",
+            "0",
+            "-1",
+            "None",
+            "Some(",
+            "\u{0}",
+            "é",
+            "\u{feff}",
+            "r#\"",
+            "/*",
+            "*/",
+            "//",
+            "true",
+            "()",
+            "0x1F",
+            "1_000",
+            "18446744073709551616",
+            "Sphere",
+            "Mesh(file: \"/\")",
+            "\"#zzzzzz\"",
+            "open: true,",
         ])
         .prop_map(str::to_owned),
     ];
@@ -156,7 +188,13 @@ fn apply(mut bytes: Vec<u8>, edits: &[Edit]) -> Vec<u8> {
 #[test]
 fn the_unchanged_inputs_are_good() {
     load_str(VALID, "fuzz.ron", Path::new("")).unwrap_or_else(|e| panic!("{e}"));
-    assert_eq!(mesh_file::parse("a.obj", OBJ.as_bytes()).expect("good").triangles.len(), 3);
+    assert_eq!(
+        mesh_file::parse("a.obj", OBJ.as_bytes())
+            .expect("good")
+            .triangles
+            .len(),
+        3
+    );
     for format in ["ascii", "binary_little_endian", "binary_big_endian"] {
         let mesh = mesh_file::parse("a.ply", &ply(format)).expect("good");
         assert_eq!(mesh.triangles, [[0, 1, 2]], "{format}");

@@ -19,9 +19,10 @@ fn parse(text: &str) -> Scene {
 /// A scene with one section replaced by `section`.
 fn with(section: &str) -> String {
     let mut text = String::from("(");
-    for default in
-        ["camera: (eye: (0, -5, 3), look_at: (0, 0, 0), fov: 45),", "image: (width: 8, height: 6),"]
-    {
+    for default in [
+        "camera: (eye: (0, -5, 3), look_at: (0, 0, 0), fov: 45),",
+        "image: (width: 8, height: 6),",
+    ] {
         let key = &default[..=default.find(':').expect("a key")];
         if !section.starts_with(key) {
             text += default;
@@ -31,7 +32,9 @@ fn with(section: &str) -> String {
 }
 
 fn light(light: &str) -> Light {
-    parse(&with(&format!("lights: [{light}]"))).lights[0].light.clone()
+    parse(&with(&format!("lights: [{light}]"))).lights[0]
+        .light
+        .clone()
 }
 
 fn object(object: &str) -> Scene {
@@ -71,8 +74,16 @@ fn every_snippet_of_the_documentation_is_read() {
 #[test]
 fn the_documentation_names_every_setting_with_its_default() {
     let docs = include_str!("../docs/scene-format.md");
-    let Settings { passes, seed, photons, radius, indirect, max_depth, memory, exposure } =
-        Settings::default();
+    let Settings {
+        passes,
+        seed,
+        photons,
+        radius,
+        indirect,
+        max_depth,
+        memory,
+        exposure,
+    } = Settings::default();
     assert!((photons, exposure, memory) == (None, None, 1 << 30));
     for (field, default) in [
         ("passes", passes.to_string()),
@@ -81,7 +92,10 @@ fn the_documentation_names_every_setting_with_its_default() {
         ("indirect", format!("`{indirect}`")),
         ("max_depth", max_depth.to_string()),
     ] {
-        let row = docs.lines().rfind(|l| l.starts_with(&format!("| `{field}` |"))).expect("a row");
+        let row = docs
+            .lines()
+            .rfind(|l| l.starts_with(&format!("| `{field}` |")))
+            .expect("a row");
         assert!(row.ends_with(&format!("| {default} |")), "{row}");
     }
 }
@@ -115,8 +129,15 @@ fn quads_and_their_normals() {
         ),
     ] {
         let text = format!("Quad(center: {center}, size: {side}, facing: {target}, radiance: 3)");
-        let Light::Quad(q) = light(&text) else { panic!("a quad") };
-        let built = [q.corner, q.corner + q.u, q.corner + q.u + q.v, q.corner + q.v];
+        let Light::Quad(q) = light(&text) else {
+            panic!("a quad")
+        };
+        let built = [
+            q.corner,
+            q.corner + q.u,
+            q.corner + q.u + q.v,
+            q.corner + q.v,
+        ];
         for (a, b) in built.into_iter().zip(corners) {
             assert!(close(a, b), "{a} is not {b:?}");
         }
@@ -156,11 +177,19 @@ fn powers_become_radiance_and_intensity() {
 
 #[test]
 fn directional_lights_are_beams_or_suns() {
-    let text = "Directional(direction: (0, 0, -4), irradiance: 5, beam: (center: (1, 2, 3), radius: 0.5))";
-    let Light::Beam(beam) = light(text) else { panic!("a beam") };
-    assert_eq!((beam.axis, beam.radius, beam.irradiance), (DVec3::NEG_Z, 0.5, Rgb::grey(5.0)));
+    let text =
+        "Directional(direction: (0, 0, -4), irradiance: 5, beam: (center: (1, 2, 3), radius: 0.5))";
+    let Light::Beam(beam) = light(text) else {
+        panic!("a beam")
+    };
+    assert_eq!(
+        (beam.axis, beam.radius, beam.irradiance),
+        (DVec3::NEG_Z, 0.5, Rgb::grey(5.0))
+    );
     let text = "Directional(direction: (0, 0, -4), irradiance: 5, angular_diameter: 60)";
-    let Light::Sun(sun) = light(text) else { panic!("a sun") };
+    let Light::Sun(sun) = light(text) else {
+        panic!("a sun")
+    };
     assert!((sun.sin_half - 0.5).abs() < 1e-15 && sun.axis == DVec3::NEG_Z);
 }
 
@@ -191,11 +220,15 @@ fn transform(at: &str) -> Transform {
 
 #[test]
 fn placements_scale_then_rotate_then_translate() {
-    let t = transform("(translate: (1, 2, 3), rotate: (axis: (0, 0, 2), degrees: 90), scale: (2, 1, 1))");
+    let t = transform(
+        "(translate: (1, 2, 3), rotate: (axis: (0, 0, 2), degrees: 90), scale: (2, 1, 1))",
+    );
     assert_eq!(t.point(DVec3::X), DVec3::new(1.0, 4.0, 3.0));
     assert_eq!(t.point(DVec3::Y), DVec3::new(0.0, 2.0, 3.0));
     // A list is applied in its own order.
-    let t = transform("[(translate: (1, 0, 0)), (rotate: (axis: (0, 0, 1), degrees: 90)), (scale: -2)]");
+    let t = transform(
+        "[(translate: (1, 0, 0)), (rotate: (axis: (0, 0, 1), degrees: 90)), (scale: -2)]",
+    );
     assert_eq!(t.point(DVec3::ZERO), DVec3::new(0.0, -2.0, 0.0));
     let t = transform("(rotate: [(axis: (0, 0, 1), degrees: 90), (axis: (1, 0, 0), degrees: 90)])");
     assert_eq!(t.point(DVec3::X), DVec3::Z);
@@ -221,8 +254,19 @@ fn glowing_shapes_follow_the_objects() {
     let names: Vec<&str> = scene.objects.iter().map(|o| o.name.as_str()).collect();
     assert_eq!(names, ["ball", "objects[1]", "lamp", "lights[2]"]);
     assert_eq!(scene.objects.len(), scene.world.instances().len());
-    let lights: Vec<_> = scene.lights.iter().map(|l| (l.name.as_str(), l.instance)).collect();
-    assert_eq!(lights, [("lights[0]", None), ("lamp", Some(2)), ("lights[2]", Some(3))]);
+    let lights: Vec<_> = scene
+        .lights
+        .iter()
+        .map(|l| (l.name.as_str(), l.instance))
+        .collect();
+    assert_eq!(
+        lights,
+        [
+            ("lights[0]", None),
+            ("lamp", Some(2)),
+            ("lights[2]", Some(3))
+        ]
+    );
     assert_eq!(scene.objects[2].light, Some(1));
     assert_eq!(scene.objects[3].material, Material::Black);
     assert_eq!(scene.objects[0].light, None);
@@ -241,28 +285,39 @@ fn named_meshes_are_shared_and_files_read_once() {
     let path = folder.path().join("scene.ron");
     std::fs::write(&path, text).expect("written");
     let scene = load(&path).unwrap_or_else(|e| panic!("{e}"));
-    let [Shape::Mesh(a), Shape::Mesh(b)] =
-        [0, 1].map(|i| scene.world.instances()[i].shape.clone())
+    let [Shape::Mesh(a), Shape::Mesh(b)] = [0, 1].map(|i| scene.world.instances()[i].shape.clone())
     else {
         panic!("meshes")
     };
     assert!(Arc::ptr_eq(&a, &b));
     assert!(a.is_closed() && (a.signed_volume() - 1.0 / 6.0).abs() < 1e-15);
     let summary = Summary::of(&scene);
-    assert_eq!((summary.objects, summary.triangles, summary.stored_triangles), (2, 8, 4));
+    assert_eq!(
+        (summary.objects, summary.triangles, summary.stored_triangles),
+        (2, 8, 4)
+    );
     assert!(summary.to_string().contains("8 x 6"), "{summary}");
-    assert!(summary.to_string().contains("black"), "no lights: {summary}");
+    assert!(
+        summary.to_string().contains("black"),
+        "no lights: {summary}"
+    );
 }
 
 #[test]
 fn generated_glass_is_closed_and_outward() {
     let scene = object("(shape: TorusKnot(), material: Dielectric(ior: 1.5))");
-    let Shape::Mesh(mesh) = &scene.world.instances()[0].shape else { panic!("a mesh") };
+    let Shape::Mesh(mesh) = &scene.world.instances()[0].shape else {
+        panic!("a mesh")
+    };
     assert_eq!(mesh.triangle_count(), 131_072);
     assert!(mesh.is_smooth() && mesh.disagreeing_normals() == 0);
     // A tube's volume is its section times the length of the curve (Pappus).
     let expected = PI * 0.15 * 0.15 * 0.27 * knot_length();
-    assert!((mesh.signed_volume() / expected - 1.0).abs() < 5e-3, "{}", mesh.signed_volume());
+    assert!(
+        (mesh.signed_volume() / expected - 1.0).abs() < 5e-3,
+        "{}",
+        mesh.signed_volume()
+    );
 }
 
 /// Length of the curve behind the default knot in its own units.
@@ -271,7 +326,11 @@ fn knot_length() -> f64 {
     let point = |k: i32| {
         let t = f64::from(k) / f64::from(n) * 2.0 * PI;
         let r = 2.0 + (3.0 * t).cos();
-        DVec3::new(r * (2.0 * t).cos(), r * (2.0 * t).sin(), 1.2 * (3.0 * t).sin())
+        DVec3::new(
+            r * (2.0 * t).cos(),
+            r * (2.0 * t).sin(),
+            1.2 * (3.0 * t).sin(),
+        )
     };
     (0..n).map(|k| (point(k + 1) - point(k)).length()).sum()
 }

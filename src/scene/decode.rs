@@ -115,7 +115,11 @@ impl Report {
             }
             RonError::IntegerOutOfBounds => {
                 let found = &self.text()[self.outline.span(place)];
-                let what = if found.starts_with('-') { "negative" } else { "out of range" };
+                let what = if found.starts_with('-') {
+                    "negative"
+                } else {
+                    "out of range"
+                };
                 self.wrong_value(place, format!("`{}` is {what}", short(found)))
             }
             RonError::InvalidEscape(what) => {
@@ -134,7 +138,10 @@ impl Report {
             RonError::ExpectedStructLike | RonError::ExpectedNamedStructLike(_)
                 if self.outline.kind(place) == Kind::Tuple =>
             {
-                self.wrong_value(place, "expected named fields `name: value` in these brackets".to_owned())
+                self.wrong_value(
+                    place,
+                    "expected named fields `name: value` in these brackets".to_owned(),
+                )
             }
             other => self.wrong_type(place, other),
         }
@@ -194,7 +201,11 @@ impl Report {
                 | RonError::ExpectedComma
                 | RonError::TrailingCharacters,
             ) if found.starts_with('-') || found.contains(['.', 'e', 'E']) => {
-                let what = if found.starts_with('-') { "negative" } else { "not a whole number" };
+                let what = if found.starts_with('-') {
+                    "negative"
+                } else {
+                    "not a whole number"
+                };
                 format!("`{}` is {what}", short(found))
             }
             (Kind::Number, RonError::ExpectedString) => {
@@ -254,8 +265,15 @@ impl Report {
         if self.outline.kind(map) != Kind::Map {
             return None;
         }
-        let section = self.outline.key_text(self.text(), map).and_then(expectation);
-        Some(section.map(|wanted| format!("expected {wanted}")).unwrap_or_default())
+        let section = self
+            .outline
+            .key_text(self.text(), map)
+            .and_then(expectation);
+        Some(
+            section
+                .map(|wanted| format!("expected {wanted}"))
+                .unwrap_or_default(),
+        )
     }
 }
 
@@ -274,8 +292,8 @@ fn decode_text<T: DeserializeOwned>(text: &str) -> Result<T, Failure> {
         offset: offset_of(text, e.span.start.line, e.span.start.col),
         code: e.code,
     };
-    let mut deserializer = ron::Deserializer::from_str_with_options(text, &options())
-        .map_err(|e| failure(None, e))?;
+    let mut deserializer =
+        ron::Deserializer::from_str_with_options(text, &options()).map_err(|e| failure(None, e))?;
     let value = match serde_path_to_error::deserialize(&mut deserializer) {
         Ok(value) => value,
         Err(e) => {
@@ -283,13 +301,19 @@ fn decode_text<T: DeserializeOwned>(text: &str) -> Result<T, Failure> {
             return Err(failure(Some(path), deserializer.span_error(e.into_inner())));
         }
     };
-    deserializer.end().map_err(|e| failure(None, deserializer.span_error(e)))?;
+    deserializer
+        .end()
+        .map_err(|e| failure(None, deserializer.span_error(e)))?;
     Ok(value)
 }
 
 /// The byte offset of a line and a column, both counted from 1.
 fn offset_of(text: &str, line: usize, column: usize) -> usize {
-    let start: usize = text.split_inclusive('\n').take(line.saturating_sub(1)).map(str::len).sum();
+    let start: usize = text
+        .split_inclusive('\n')
+        .take(line.saturating_sub(1))
+        .map(str::len)
+        .sum();
     let rest = text[start..].char_indices().nth(column.saturating_sub(1));
     rest.map_or(text.len(), |(i, _)| start + i)
 }

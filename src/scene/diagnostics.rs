@@ -165,9 +165,13 @@ impl Diagnostic {
         match (&self.excerpt, self.place) {
             (Some(excerpt), Place::Text { line, column }) => {
                 let label = (!self.label.is_empty()).then_some(self.label.as_str());
-                let mark = AnnotationKind::Primary.span(excerpt.mark.clone()).label(label);
-                let snippet =
-                    Snippet::source(&excerpt.text).line_start(line).fold(false).annotation(mark);
+                let mark = AnnotationKind::Primary
+                    .span(excerpt.mark.clone())
+                    .label(label);
+                let snippet = Snippet::source(&excerpt.text)
+                    .line_start(line)
+                    .fold(false)
+                    .annotation(mark);
                 if excerpt.is_whole {
                     parts.push(snippet.path(&self.file).into());
                 } else {
@@ -200,7 +204,11 @@ fn excerpt(line: &str, start: usize, span: &Range<usize>) -> Excerpt {
     let from = floor_char_boundary(line, span.start.saturating_sub(start));
     let to = floor_char_boundary(line, span.end.saturating_sub(start)).max(from);
     if line.len() <= EXCERPT {
-        return Excerpt { text: line.to_owned(), mark: from..to, is_whole: true };
+        return Excerpt {
+            text: line.to_owned(),
+            mark: from..to,
+            is_whole: true,
+        };
     }
     let window = floor_char_boundary(line, from.saturating_sub(EXCERPT / 2));
     let end = floor_char_boundary(line, window + EXCERPT);
@@ -208,7 +216,11 @@ fn excerpt(line: &str, start: usize, span: &Range<usize>) -> Excerpt {
     let tail = if end < line.len() { " ..." } else { "" };
     let shift = |at: usize| at.min(end) - window + lead.len();
     let text = format!("{lead}{}{tail}", &line[window..end]);
-    Excerpt { text, mark: shift(from)..shift(to), is_whole: false }
+    Excerpt {
+        text,
+        mark: shift(from)..shift(to),
+        is_whole: false,
+    }
 }
 
 /// All mistakes found in a scene and the files it names, in the order in

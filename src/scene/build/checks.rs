@@ -159,7 +159,9 @@ impl Report {
             }
             [..] => {
                 // The mark is on the one written last.
-                let places = given.iter().map(|&i| (self.field(node, fields[i].0), fields[i].0));
+                let places = given
+                    .iter()
+                    .map(|&i| (self.field(node, fields[i].0), fields[i].0));
                 let mut places: Vec<_> = places.collect();
                 places.sort_by_key(|&(place, _)| self.outline.span(place).start);
                 let [.., (_, a), (place, b)] = places[..] else {
