@@ -1,7 +1,11 @@
 //! From a part of the text to a value, by way of `ron`, with errors that
 //! point at the right place and say what was expected.
 
-use ron::{Options, error::Error as RonError, extensions::Extensions};
+use ron::{
+    Options,
+    error::{Error as RonError, SpannedError},
+    extensions::Extensions,
+};
 use serde::de::DeserializeOwned;
 use serde_path_to_error::{Path, Segment};
 
@@ -31,8 +35,13 @@ impl Report {
         let source = self.source.clone();
         match decode_text(&source.text()[span]) {
             Ok(value) => Some(value),
-            Err((path, code)) => {
-                let place = self.resolve(node, path.as_ref());
+            Err(Failure { path, code, offset }) => {
+                let mut place = self.resolve(node, path.as_ref());
+                // These are met behind the value that is wrong: `800.5` is
+                // read as the whole number 800 with something after it.
+                if matches!(code, RonError::ExpectedComma | RonError::TrailingCharacters) {
+                    place = self.innermost(place, self.outline.span(node).start + offset);
+                }
                 let diagnostic = self.explain(place, &code);
                 self.push(diagnostic);
                 None
@@ -56,6 +65,17 @@ impl Report {
             }
         }
         at
+    }
+
+    /// The innermost value that holds an offset or ends there.
+    fn innermost(&self, from: NodeId, offset: usize) -> NodeId {
+        let holds = |&child: &NodeId| {
+            let span = self.outline.span(child);
+            span.start <= offset && offset <= span.end
+        };
+        std::iter::successors(Some(from), |&at| self.outline.children(at).find(holds))
+            .last()
+            .unwrap_or(from)
     }
 
     fn explain(&self, place: NodeId, code: &RonError) -> Diagnostic {
@@ -84,23 +104,44 @@ impl Report {
             }
             RonError::Message(message) => self.wrong_value(place, message.clone()),
             RonError::ExpectedDifferentLength { expected, found } => {
-                let message = format!("expected {expected}, found {}", count(*found));
+                let message = match expected.strip_prefix("an array of length ") {
+                    Some(needed) => format!("{} where {needed} are needed", count(*found)),
+                    None => format!("expected {expected}, found {}", count(*found)),
+                };
                 self.wrong_value(place, message)
             }
             RonError::ExpectedStructLikeEnd => {
                 self.wrong_value(place, "too many values in these brackets".to_owned())
             }
             RonError::IntegerOutOfBounds => {
-                self.wrong_value(place, "this number is out of range".to_owned())
+                let found = &self.text()[self.outline.span(place)];
+                let what = if found.starts_with('-') {
+                    "negative"
+                } else {
+                    "out of range"
+                };
+                self.wrong_value(place, format!("`{}` is {what}", short(found)))
             }
             RonError::InvalidEscape(what) => {
                 self.wrong_value(place, format!("invalid escape in this text: {what}"))
             }
-            RonError::ExpectedIdentifier | RonError::ExpectedStructLike
-                if self.wants_name(place) =>
-            {
+            RonError::ExpectedIdentifier => {
                 let found = self.outline.kind(place).words();
                 self.wrong_value(place, format!("expected a name here, found {found}"))
+            }
+            RonError::ExpectedStructLike | RonError::ExpectedNamedStructLike(_)
+                if self.outline.kind(place) == Kind::Name =>
+            {
+                let name = short(&self.text()[self.outline.span(place)]);
+                self.wrong_value(place, format!("`{name}` needs fields: `{name}(..)`"))
+            }
+            RonError::ExpectedStructLike | RonError::ExpectedNamedStructLike(_)
+                if self.outline.kind(place) == Kind::Tuple =>
+            {
+                self.wrong_value(
+                    place,
+                    "expected named fields `name: value` in these brackets".to_owned(),
+                )
             }
             other => self.wrong_type(place, other),
         }
@@ -112,11 +153,6 @@ impl Report {
         self.outline
             .field(self.text(), place, field)
             .unwrap_or(place)
-    }
-
-    /// Whether a value should start with a name but doesn't.
-    fn wants_name(&self, place: NodeId) -> bool {
-        self.outline.name(place).is_none()
     }
 
     pub(super) fn unknown_field(&self, field: NodeId, expected: &[&str]) -> Diagnostic {
@@ -158,16 +194,33 @@ impl Report {
         let kind = self.outline.kind(place);
         let found = &self.text()[self.outline.span(place)];
         let message = match (kind, code) {
-            (Kind::Number, RonError::ExpectedInteger | RonError::InvalidIntegerDigit { .. })
-            | (Kind::Number, RonError::TrailingCharacters)
-                if found.starts_with('-') || found.contains('.') =>
-            {
-                format!("`{}` is not a whole number", short(found))
+            (
+                Kind::Number,
+                RonError::ExpectedInteger
+                | RonError::InvalidIntegerDigit { .. }
+                | RonError::ExpectedComma
+                | RonError::TrailingCharacters,
+            ) if found.starts_with('-') || found.contains(['.', 'e', 'E']) => {
+                let what = if found.starts_with('-') {
+                    "negative"
+                } else {
+                    "not a whole number"
+                };
+                format!("`{}` is {what}", short(found))
             }
             (Kind::Number, RonError::ExpectedString) => {
                 "expected a text in double quotes, found a number".to_owned()
             }
-            (Kind::Number, _) => format!("`{}` is not a number that fits here", short(found)),
+            (
+                Kind::Number,
+                RonError::ExpectedFloat
+                | RonError::ExpectedComma
+                | RonError::TrailingCharacters
+                | RonError::FloatUnderscore
+                | RonError::UnderscoreAtBeginning
+                | RonError::UnexpectedChar(_)
+                | RonError::InvalidIntegerDigit { .. },
+            ) => format!("`{}` is not a number that fits here", short(found)),
             (Kind::Name, RonError::ExpectedString) => {
                 format!(
                     "expected a text in double quotes, found the name `{}`",
@@ -176,6 +229,9 @@ impl Report {
             }
             (_, RonError::InvalidValueForType { expected, .. }) => {
                 format!("expected {expected}, found {}", kind.words())
+            }
+            (Kind::Tuple, _) if self.outline.name(place).is_some() => {
+                "expected named fields `name: value` in these brackets".to_owned()
             }
             _ => format!("wrong type: found {}", kind.words()),
         };
@@ -189,29 +245,77 @@ impl Report {
             let Some(key) = self.outline.key_text(self.text(), node) else {
                 continue;
             };
-            let element_of_triple = depth == 1 && self.outline.kind(node) == Kind::Tuple;
+            if let Some(wanted) = self.wanted_in_map(node) {
+                return wanted;
+            }
+            let in_tuple = depth == 1 && self.outline.kind(node) == Kind::Tuple;
             return match expectation(key) {
                 Some(wanted) if depth == 0 => format!("expected {wanted}"),
-                Some(wanted) if element_of_triple => {
-                    format!("expected a number; `{key}` is {wanted}")
-                }
+                Some(wanted) if in_tuple => format!("expected a number; `{key}` is {wanted}"),
                 Some(wanted) => format!("`{key}` is {wanted}"),
                 None => String::new(),
             };
         }
         String::new()
     }
+
+    /// The same for an entry of a map, whose key is a name.
+    fn wanted_in_map(&self, node: NodeId) -> Option<String> {
+        let map = self.outline.parent(node)?;
+        if self.outline.kind(map) != Kind::Map {
+            return None;
+        }
+        let section = self
+            .outline
+            .key_text(self.text(), map)
+            .and_then(expectation);
+        Some(
+            section
+                .map(|wanted| format!("expected {wanted}"))
+                .unwrap_or_default(),
+        )
+    }
 }
 
-/// Decodes a piece of text; an error comes with the path on which it arose.
-fn decode_text<T: DeserializeOwned>(text: &str) -> Result<T, (Option<Path>, RonError)> {
-    let options = options();
+/// Why a piece of text could not be decoded.
+struct Failure {
+    /// Where in the value, as far as the deserializer knew.
+    path: Option<Path>,
+    code: RonError,
+    /// Bytes of the text that had been read.
+    offset: usize,
+}
+
+fn decode_text<T: DeserializeOwned>(text: &str) -> Result<T, Failure> {
+    let failure = |path, e: SpannedError| Failure {
+        path,
+        offset: offset_of(text, e.span.start.line, e.span.start.col),
+        code: e.code,
+    };
     let mut deserializer =
-        ron::Deserializer::from_str_with_options(text, &options).map_err(|e| (None, e.code))?;
-    let value = serde_path_to_error::deserialize(&mut deserializer)
-        .map_err(|e| (Some(e.path().clone()), e.into_inner()))?;
-    deserializer.end().map_err(|e| (None, e))?;
+        ron::Deserializer::from_str_with_options(text, &options()).map_err(|e| failure(None, e))?;
+    let value = match serde_path_to_error::deserialize(&mut deserializer) {
+        Ok(value) => value,
+        Err(e) => {
+            let path = e.path().clone();
+            return Err(failure(Some(path), deserializer.span_error(e.into_inner())));
+        }
+    };
+    deserializer
+        .end()
+        .map_err(|e| failure(None, deserializer.span_error(e)))?;
     Ok(value)
+}
+
+/// The byte offset of a line and a column, both counted from 1.
+fn offset_of(text: &str, line: usize, column: usize) -> usize {
+    let start: usize = text
+        .split_inclusive('\n')
+        .take(line.saturating_sub(1))
+        .map(str::len)
+        .sum();
+    let rest = text[start..].char_indices().nth(column.saturating_sub(1));
+    rest.map_or(text.len(), |(i, _)| start + i)
 }
 
 /// Adds the nearest known name, if there is one.

@@ -49,8 +49,18 @@ pub struct Diagnostic {
     pub help: Option<String>,
     /// Which part of the scene is concerned, or why this is a mistake.
     pub note: Option<String>,
-    /// The marked piece of the line, and the mark within it.
-    excerpt: Option<(String, Range<usize>)>,
+    excerpt: Option<Excerpt>,
+}
+
+/// The piece of a line that is shown.
+#[derive(Clone, Debug)]
+struct Excerpt {
+    text: String,
+    /// The marked bytes of `text`.
+    mark: Range<usize>,
+    /// Whether `text` is the line from its start, so that columns in it are
+    /// columns in the file.
+    is_whole: bool,
 }
 
 impl Diagnostic {
@@ -104,9 +114,11 @@ impl Diagnostic {
         message: impl Into<String>,
     ) -> Self {
         let mark = column - 1..column - 1 + span.len();
+        let mut excerpt = excerpt(text, 0, &mark);
+        excerpt.is_whole &= text.is_ascii();
         Self {
             place: Place::Text { line, column },
-            excerpt: Some(excerpt(text, 0, &mark)),
+            excerpt: Some(excerpt),
             span,
             ..Self::of_file(file, message)
         }
@@ -150,23 +162,29 @@ impl Diagnostic {
             Renderer::plain()
         };
         let mut parts: Vec<Element<'_>> = Vec::new();
-        let origin = match self.place {
-            Place::Text { line, column } => Origin::path(&self.file).line(line).char_column(column),
-            Place::File | Place::Byte { .. } => Origin::path(self.location()),
-        };
-        parts.push(origin.into());
-        if let (Some((text, mark)), Place::Text { line, .. }) = (&self.excerpt, self.place) {
-            let label = (!self.label.is_empty()).then_some(self.label.as_str());
-            let mark = AnnotationKind::Primary.span(mark.clone()).label(label);
-            parts.push(
-                Snippet::source(text)
+        match (&self.excerpt, self.place) {
+            (Some(excerpt), Place::Text { line, column }) => {
+                let label = (!self.label.is_empty()).then_some(self.label.as_str());
+                let mark = AnnotationKind::Primary
+                    .span(excerpt.mark.clone())
+                    .label(label);
+                let snippet = Snippet::source(&excerpt.text)
                     .line_start(line)
                     .fold(false)
-                    .annotation(mark)
-                    .into(),
-            );
-        } else if !self.label.is_empty() {
-            parts.push(Level::NOTE.message(self.label.as_str()).into());
+                    .annotation(mark);
+                if excerpt.is_whole {
+                    parts.push(snippet.path(&self.file).into());
+                } else {
+                    let origin = Origin::path(&self.file).line(line).char_column(column);
+                    parts.extend([origin.into(), snippet.into()]);
+                }
+            }
+            _ => {
+                parts.push(Origin::path(self.location()).into());
+                if !self.label.is_empty() {
+                    parts.push(Level::NOTE.message(self.label.as_str()).into());
+                }
+            }
         }
         if let Some(note) = &self.note {
             parts.push(Level::NOTE.message(note.as_str()).into());
@@ -182,21 +200,27 @@ impl Diagnostic {
 
 /// The part of a line that is worth showing, and the mark within it. `start`
 /// is the line's offset in the coordinates of `span`.
-fn excerpt(line: &str, start: usize, span: &Range<usize>) -> (String, Range<usize>) {
+fn excerpt(line: &str, start: usize, span: &Range<usize>) -> Excerpt {
     let from = floor_char_boundary(line, span.start.saturating_sub(start));
     let to = floor_char_boundary(line, span.end.saturating_sub(start)).max(from);
     if line.len() <= EXCERPT {
-        return (line.to_owned(), from..to);
+        return Excerpt {
+            text: line.to_owned(),
+            mark: from..to,
+            is_whole: true,
+        };
     }
     let window = floor_char_boundary(line, from.saturating_sub(EXCERPT / 2));
     let end = floor_char_boundary(line, window + EXCERPT);
     let lead = if window > 0 { "... " } else { "" };
     let tail = if end < line.len() { " ..." } else { "" };
     let shift = |at: usize| at.min(end) - window + lead.len();
-    (
-        format!("{lead}{}{tail}", &line[window..end]),
-        shift(from)..shift(to),
-    )
+    let text = format!("{lead}{}{tail}", &line[window..end]);
+    Excerpt {
+        text,
+        mark: shift(from)..shift(to),
+        is_whole: false,
+    }
 }
 
 /// All mistakes found in a scene and the files it names, in the order in

@@ -26,7 +26,7 @@ pub(super) fn expectation(field: &str) -> Option<&'static str> {
         "radius" | "tube" | "height" | "width" => "a number above 0",
         "inner" | "outer" => "a half-angle in degrees, from 0 to 180",
         "angular_diameter" => "an angle in degrees, from 0 to below 180",
-        "reflectance" => "a colour whose channels lie in [0, 1]",
+        "reflectance" => "a colour from 0 to 1: a number, `(r, g, b)` or \"#rrggbb\"",
         "power" | "intensity" | "radiance" | "irradiance" => {
             "a colour: a number, `(r, g, b)` or \"#rrggbb\""
         }

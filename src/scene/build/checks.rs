@@ -157,9 +157,16 @@ impl Report {
                 self.push(diagnostic);
                 None
             }
-            [first, second, ..] => {
-                let (a, b) = (fields[*first].0, fields[*second].0);
-                let place = self.field(node, b);
+            [..] => {
+                // The mark is on the one written last.
+                let places = given
+                    .iter()
+                    .map(|&i| (self.field(node, fields[i].0), fields[i].0));
+                let mut places: Vec<_> = places.collect();
+                places.sort_by_key(|&(place, _)| self.outline.span(place).start);
+                let [.., (_, a), (place, b)] = places[..] else {
+                    return None;
+                };
                 let diagnostic = self
                     .about_key(place, format!("`{a}` and `{b}` exclude each other"))
                     .with_label(format!("`{a}` is given, too"))

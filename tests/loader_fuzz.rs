@@ -1,0 +1,264 @@
+//! Whatever a user feeds to the loader: it answers, in bounded time and
+//! memory, with a scene or with mistakes that have places.
+//!
+//! Work is bounded by construction (one pass over the text, limits on what
+//! generators make); here a hang or a panic fails the run.
+
+use std::path::Path;
+
+use nephroid::scene::{Place, load_str, mesh_file, outline::Outline};
+use proptest::{collection::vec, prelude::*, sample::Index};
+
+const VALID: &str = r##"#![enable(implicit_some)]
+(
+    camera: (eye: (0, -5, 3.5), look_at: (0, 0, 0.3), up: (0, 0, 1), fov: 45),
+    image: (width: 8, height: 6, exposure: 1, filter: Box),
+    materials: { "floor": Diffuse(reflectance: "#808080"), "glass": Dielectric(ior: 1.5) },
+    meshes: { "water": Waves(x: (-1, 1), y: (-1, 1), cells: 3, waves: [(amplitude: 0.1, k: (5, 2))]) },
+    objects: [
+        (shape: Plane(point: (0, 0, 0), normal: (0, 0, 1)), material: "floor"), // floor
+        (name: "ball", shape: Sphere(center: (0, 0, 1), radius: 1), material: "glass",
+         at: [(scale: 2), (rotate: [(axis: (0, 0, 1), degrees: 30)], translate: (1, 2, 3))]),
+        (shape: Mesh(named: "water"), open: true, material: Dielectric(ior: 1.33)),
+        (shape: Cylinder(base: (0, 0, 0), end: (0, 0, 1), radius: 0.5, capped: true), material: Mirror()),
+        (shape: TorusKnot(segments: 5, sides: 3), material: "glass"),
+        (shape: Mesh(vertices: [(0, 0, 0), (1, 0, 0), (0, 1, 0)], triangles: [(0, 1, 2)]), material: "floor"),
+    ],
+    lights: [
+        Sphere(center: (2, -1, 4), radius: 0.15, radiance: 200),
+        Spot(position: (0, 0, 5), look_at: (0, 0, 0), inner: 10, outer: 20, power: (1, 2, 3)),
+        Quad(center: (0, 0, 6), size: (1, 2), facing: (0, 0, 0), power: 10),
+        Directional(direction: (0, 0, -1), irradiance: 3, beam: (center: (0, 0, 9), radius: 1)),
+    ],
+    render: (passes: 8, memory: "64 MiB", indirect: false),
+)
+"##;
+
+const OBJ: &str =
+    "# a square\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvn 0 0 1\nf 1//1 2//1 3//1 4//1\nf -1 -2 -3\n";
+
+fn ply(format: &str) -> Vec<u8> {
+    let mut bytes = format!(
+        "ply\nformat {format} 1.0\nelement vertex 3\nproperty float x\nproperty float y\n\
+         property float z\nproperty uchar red\nelement face 1\n\
+         property list uchar int vertex_indices\nend_header\n"
+    )
+    .into_bytes();
+    if format == "ascii" {
+        bytes.extend(b"0 0 0 1\n1 0 0 1\n0 1 0 1\n3 0 1 2\n");
+        return bytes;
+    }
+    let little = format == "binary_little_endian";
+    let word = |raw: [u8; 4]| {
+        let mut raw = raw;
+        if !little {
+            raw.reverse();
+        }
+        raw
+    };
+    for v in [[0.0f32, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]] {
+        for c in v {
+            bytes.extend(word(c.to_le_bytes()));
+        }
+        bytes.push(9);
+    }
+    bytes.push(3);
+    for i in 0..3i32 {
+        bytes.extend(word(i.to_le_bytes()));
+    }
+    bytes
+}
+
+/// Loads a text; whatever is wrong must have a place within it.
+fn throw(text: &str) {
+    let Err(found) = load_str(text, "fuzz.ron", Path::new("/nonexistent")) else {
+        return;
+    };
+    assert!(!found.is_empty(), "refused without a reason");
+    for d in &found {
+        assert!(!d.message.is_empty());
+        assert!(
+            d.span.start <= d.span.end && d.span.end <= text.len(),
+            "{d:?}"
+        );
+        if let Place::Text { line, column } = d.place {
+            assert!(line >= 1 && line <= text.matches('\n').count() + 1, "{d:?}");
+            assert!(column >= 1, "{d:?}");
+        }
+    }
+    assert!(found.to_string().contains("fuzz.ron"));
+}
+
+fn throw_mesh(name: &str, bytes: &[u8]) {
+    match mesh_file::parse(name, bytes) {
+        Ok(mesh) => {
+            let count = mesh.vertices.len();
+            assert!(
+                mesh.triangles
+                    .iter()
+                    .flatten()
+                    .all(|&i| (i as usize) < count)
+            );
+            assert!(mesh.vertices.iter().all(|v| v.is_finite()));
+            assert!(mesh.normals.is_none_or(|n| {
+                n.len() == count && n.iter().all(|n| (n.length() - 1.0).abs() < 1e-12)
+            }));
+        }
+        Err(d) => assert!(!d.message.is_empty() && d.render(false).contains(name)),
+    }
+}
+
+/// One change to a text.
+#[derive(Clone, Debug)]
+enum Edit {
+    Remove(Index, usize),
+    Insert(Index, String),
+    Copy(Index, Index, usize),
+    Cut(Index),
+}
+
+fn edits() -> impl Strategy<Value = Vec<Edit>> {
+    let piece = prop_oneof![
+        "[()\\[\\]{},:\"'#/*\\\\]{1,3}",
+        "[a-z]{1,4}",
+        prop::sample::select(vec![
+            "NaN",
+            "inf",
+            "-inf",
+            "1e400",
+            "-0.0",
+            "1e-320",
+            "0",
+            "-1",
+            "None",
+            "Some(",
+            "\u{0}",
+            "é",
+            "\u{feff}",
+            "r#\"",
+            "/*",
+            "*/",
+            "//",
+            "true",
+            "()",
+            "0x1F",
+            "1_000",
+            "18446744073709551616",
+            "Sphere",
+            "Mesh(file: \"/\")",
+            "\"#zzzzzz\"",
+            "open: true,",
+        ])
+        .prop_map(str::to_owned),
+    ];
+    let edit = prop_oneof![
+        (any::<Index>(), 1..12usize).prop_map(|(i, n)| Edit::Remove(i, n)),
+        (any::<Index>(), piece).prop_map(|(i, s)| Edit::Insert(i, s)),
+        (any::<Index>(), any::<Index>(), 1..60usize).prop_map(|(a, b, n)| Edit::Copy(a, b, n)),
+        any::<Index>().prop_map(Edit::Cut),
+    ];
+    vec(edit, 1..4)
+}
+
+fn apply(mut bytes: Vec<u8>, edits: &[Edit]) -> Vec<u8> {
+    for edit in edits {
+        let len = bytes.len() + 1;
+        match edit {
+            Edit::Remove(i, n) => {
+                let i = i.index(len);
+                let end = (i + n).min(bytes.len());
+                bytes.drain(i..end);
+            }
+            Edit::Insert(i, s) => {
+                let i = i.index(len);
+                bytes.splice(i..i, s.bytes());
+            }
+            Edit::Copy(from, to, n) => {
+                let from = from.index(len);
+                let piece = bytes[from..(from + n).min(bytes.len())].to_vec();
+                let to = to.index(len);
+                bytes.splice(to..to, piece);
+            }
+            Edit::Cut(i) => bytes.truncate(i.index(len)),
+        }
+    }
+    bytes
+}
+
+#[test]
+fn the_unchanged_inputs_are_good() {
+    load_str(VALID, "fuzz.ron", Path::new("")).unwrap_or_else(|e| panic!("{e}"));
+    assert_eq!(
+        mesh_file::parse("a.obj", OBJ.as_bytes())
+            .expect("good")
+            .triangles
+            .len(),
+        3
+    );
+    for format in ["ascii", "binary_little_endian", "binary_big_endian"] {
+        let mesh = mesh_file::parse("a.ply", &ply(format)).expect("good");
+        assert_eq!(mesh.triangles, [[0, 1, 2]], "{format}");
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(4000))]
+
+    #[test]
+    fn arbitrary_bytes(bytes in vec(any::<u8>(), 0..300)) {
+        throw(&String::from_utf8_lossy(&bytes));
+        throw_mesh("a.obj", &bytes);
+        throw_mesh("a.ply", &bytes);
+    }
+
+    #[test]
+    fn arbitrary_text(text in "\\PC{0,200}", ron in "[()\\[\\]{},:\"'#/*a-zA-Z0-9. \n-]{0,200}") {
+        throw(&text);
+        throw(&ron);
+        throw(&format!("(camera: {ron})"));
+        throw(&format!("(objects: [(shape: {ron}, material: \"x\")])"));
+    }
+
+    #[test]
+    fn mutated_scenes(edits in edits()) {
+        let bytes = apply(VALID.as_bytes().to_vec(), &edits);
+        throw(&String::from_utf8_lossy(&bytes));
+    }
+
+    #[test]
+    fn mutated_meshes(edits in edits(), flips in vec((any::<Index>(), any::<u8>()), 0..4)) {
+        for format in ["ascii", "binary_little_endian", "binary_big_endian"] {
+            let mut bytes = apply(ply(format), &edits);
+            for (i, value) in &flips {
+                if !bytes.is_empty() {
+                    let i = i.index(bytes.len());
+                    bytes[i] = *value;
+                }
+            }
+            throw_mesh("a.ply", &bytes);
+        }
+        throw_mesh("a.obj", &apply(OBJ.as_bytes().to_vec(), &edits));
+    }
+
+    /// Parents hold their children, children stand in order, and no value is
+    /// lost, whatever the text.
+    #[test]
+    fn outlines_are_trees_of_nested_spans(edits in edits()) {
+        let text = String::from_utf8_lossy(&apply(VALID.as_bytes().to_vec(), &edits)).into_owned();
+        if let Ok(outline) = Outline::scan(&text) {
+            let mut stack = vec![outline.root()];
+            while let Some(node) = stack.pop() {
+                let span = outline.span(node);
+                let mut at = span.start;
+                for child in outline.children(node) {
+                    let inner = outline.span(child);
+                    prop_assert!(at <= inner.start && inner.end <= span.end);
+                    prop_assert!(text.get(inner.clone()).is_some());
+                    prop_assert_eq!(outline.parent(child), Some(node));
+                    at = inner.end;
+                    stack.push(child);
+                }
+            }
+        }
+    }
+}
