@@ -196,13 +196,14 @@ impl ShearedRay {
         let y = a[1].abs().max(b[1].abs()).max(c[1].abs());
         // Two products and a difference: off by at most 4 U x y.
         let noise = 4.0 * U * x * y;
-        if u.abs() <= noise || v.abs() <= noise || w.abs() <= noise {
-            u = difference_of_products(c[0], b[1], c[1], b[0]);
-            v = difference_of_products(a[0], c[1], a[1], c[0]);
-            w = difference_of_products(b[0], a[1], b[1], a[0]);
-        }
-        if (u < 0.0 || v < 0.0 || w < 0.0) && (u > 0.0 || v > 0.0 || w > 0.0) {
+        if u.min(v).min(w) < -noise && u.max(v).max(w) > noise {
             return None;
+        }
+        if u.abs().min(v.abs()).min(w.abs()) <= noise {
+            [u, v, w] = compensated(a, b, c);
+            if (u < 0.0 || v < 0.0 || w < 0.0) && (u > 0.0 || v > 0.0 || w > 0.0) {
+                return None;
+            }
         }
         let det = u + v + w;
         if det == 0.0 {
@@ -236,6 +237,14 @@ impl ShearedRay {
             z,
         ]
     }
+}
+
+/// The three edge functions with signs that can be trusted down to
+/// underflow.
+#[cold]
+fn compensated(a: [f64; 3], b: [f64; 3], c: [f64; 3]) -> [f64; 3] {
+    let edge = |p: [f64; 3], q: [f64; 3]| difference_of_products(p[0], q[1], p[1], q[0]);
+    [edge(c, b), edge(a, c), edge(b, a)]
 }
 
 /// Bound on the error of the depth of a hit on a triangle with moved vertices
