@@ -297,7 +297,7 @@ impl Bvh {
 
 /// Tests a node's boxes and puts those that are met on the stack, nearest on
 /// top. Returns the stack's new length.
-#[inline]
+#[inline(always)]
 fn push_hits(node: &Node, ray: &NodeRay, limit: f32, stack: &mut [Entry], mut len: usize) -> usize {
     let mut near = [Vec4::ZERO; WIDTH / 4];
     let mut far = [Vec4::splat(limit); WIDTH / 4];

@@ -192,17 +192,18 @@ impl ShearedRay {
         let mut u = c[0] * b[1] - c[1] * b[0];
         let mut v = a[0] * c[1] - a[1] * c[0];
         let mut w = b[0] * a[1] - b[1] * a[0];
-        let x = a[0].abs().max(b[0].abs()).max(c[0].abs());
-        let y = a[1].abs().max(b[1].abs()).max(c[1].abs());
+        let x = greater(greater(a[0].abs(), b[0].abs()), c[0].abs());
+        let y = greater(greater(a[1].abs(), b[1].abs()), c[1].abs());
         // Two products and a difference: off by at most 4 U x y.
         let noise = 4.0 * U * x * y;
-        if u.abs() <= noise || v.abs() <= noise || w.abs() <= noise {
-            u = difference_of_products(c[0], b[1], c[1], b[0]);
-            v = difference_of_products(a[0], c[1], a[1], c[0]);
-            w = difference_of_products(b[0], a[1], b[1], a[0]);
-        }
-        if (u < 0.0 || v < 0.0 || w < 0.0) && (u > 0.0 || v > 0.0 || w > 0.0) {
+        if lesser(lesser(u, v), w) < -noise && greater(greater(u, v), w) > noise {
             return None;
+        }
+        if lesser(lesser(u.abs(), v.abs()), w.abs()) <= noise {
+            [u, v, w] = compensated(a, b, c);
+            if (u < 0.0 || v < 0.0 || w < 0.0) && (u > 0.0 || v > 0.0 || w > 0.0) {
+                return None;
+            }
         }
         let det = u + v + w;
         if det == 0.0 {
@@ -236,6 +237,27 @@ impl ShearedRay {
             z,
         ]
     }
+}
+
+/// The smaller number, in one instruction: `f64::min` takes several to be
+/// particular about NaN, which a caller here has no use for.
+#[inline]
+fn lesser(a: f64, b: f64) -> f64 {
+    if a < b { a } else { b }
+}
+
+/// The larger number; see [`lesser`].
+#[inline]
+fn greater(a: f64, b: f64) -> f64 {
+    if a > b { a } else { b }
+}
+
+/// The three edge functions with signs that can be trusted down to
+/// underflow.
+#[cold]
+fn compensated(a: [f64; 3], b: [f64; 3], c: [f64; 3]) -> [f64; 3] {
+    let edge = |p: [f64; 3], q: [f64; 3]| difference_of_products(p[0], q[1], p[1], q[0]);
+    [edge(c, b), edge(a, c), edge(b, a)]
 }
 
 /// Bound on the error of the depth of a hit on a triangle with moved vertices
