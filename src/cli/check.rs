@@ -1,6 +1,9 @@
 //! `nephroid check`: reads a scene as `render` would and says what it found.
 
-use nephroid::scene::{self, Diagnostic, Diagnostics, Place, Summary};
+use nephroid::{
+    render::Job,
+    scene::{self, Diagnostic, Diagnostics, Place, Summary},
+};
 use serde_json::{Value, json};
 
 use super::{Exit, Failure, args::CheckArgs, deliver};
@@ -11,6 +14,7 @@ pub(super) fn run(typed: &CheckArgs) -> Result<Exit, Failure> {
     let name = typed.scene.display().to_string();
     match scene::load(&typed.scene) {
         Ok(scene) => {
+            Job::of(&scene).check().map_err(Failure::bad_input)?;
             let summary = Summary::of(&scene);
             deliver(if typed.json {
                 in_order(&name, &summary, scene.settings.passes).to_string()

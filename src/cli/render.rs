@@ -6,7 +6,7 @@
 use std::{fs, ops::ControlFlow, path::Path, time::Duration};
 
 use nephroid::{
-    film::{self, Film, OutputError, Provenance, Window, atomic},
+    film::{self, OutputError, Provenance, Window, atomic},
     render::{self, Job, Outcome, Progress},
     scene::{self, Scene},
 };
@@ -20,10 +20,6 @@ use super::{
     tell,
     values::{Crop, Format, Output, default_outputs},
 };
-
-/// Most pixels a film may have: at [`Film::BYTES_PER_PIXEL`] bytes each, some
-/// 38 GB. Larger pictures are rendered in crops.
-const MOST_PIXELS: u64 = 1 << 26;
 
 /// Where the report goes as JSON.
 enum Json<'a> {
@@ -111,22 +107,16 @@ fn job(typed: &RenderArgs, scene: &Scene) -> Result<Job, Failure> {
     if let Some(crop) = typed.crop {
         check_crop(crop, resolution)?;
     }
-    let [width, height] = typed.crop.map_or(resolution, |crop| crop.size);
-    if u64::from(width) * u64::from(height) > MOST_PIXELS {
-        return Err(Failure::bad_input(format!(
-            "{width} x {height} pixels are more than one render can hold \
-             ({MOST_PIXELS} pixels, {} bytes each); render it in parts with --crop",
-            Film::BYTES_PER_PIXEL
-        )));
-    }
-    Ok(Job {
+    let job = Job {
         settings,
         resolution,
         crop: typed
             .crop
             .map(|c| [c.origin[0], c.origin[1], c.size[0], c.size[1]]),
         time: typed.time,
-    })
+    };
+    job.check().map_err(Failure::bad_input)?;
+    Ok(job)
 }
 
 fn check_crop(crop: Crop, resolution: [u32; 2]) -> Result<(), Failure> {

@@ -70,7 +70,7 @@ impl Gather<'_> {
             stream.seek(first + side_paths * SIDE_PATH);
             side_paths += 1;
             let end = walker.walk(&self.ctx, stream, splits, &mut |other, left| {
-                pending.push((other, left))
+                pending.push((other, left));
             });
             self.finish(&walker, end, stream, &mut sample, tally);
         }

@@ -77,9 +77,10 @@ pub fn lobes(
             Some(Lobes::One(mirror(point, d, reflectance, carried)))
         }
         Material::Dielectric { ior, thin: true } => Some(pane(point, d, ior)),
-        Material::Dielectric { ior, thin: false } if ior == 1.0 => {
-            Some(Lobes::One(straight(d, 1.0)))
-        }
+        Material::Dielectric {
+            ior: 1.0,
+            thin: false,
+        } => Some(Lobes::One(straight(d, 1.0))),
         Material::Dielectric { ior, thin: false } => Some(interface(point, d, ior, carried)),
         Material::Diffuse { .. } | Material::Black => None,
     }
