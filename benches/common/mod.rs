@@ -5,10 +5,11 @@ use std::path::Path;
 use nephroid::scene::{self, Scene};
 
 /// Names of the five canonical scenes.
-pub const CANONICAL: [&str; 5] = ["glass_sphere", "cornell_glass", "cup", "pool", "mesh_glass"];
+pub(crate) const CANONICAL: [&str; 5] =
+    ["glass_sphere", "cornell_glass", "cup", "pool", "mesh_glass"];
 
 /// Loads a scene of the `scenes` folder.
-pub fn load(name: &str) -> Scene {
+pub(crate) fn load(name: &str) -> Scene {
     let path = Path::new(env!("CARGO_MANIFEST_DIR"))
         .join("scenes")
         .join(format!("{name}.ron"));

@@ -40,8 +40,9 @@ fn mebibytes(bytes: u64) -> String {
 /// # Errors
 /// If the film alone, with room for a few photons, exceeds the budget.
 pub(super) fn photon_budget(size: [u32; 2], budget: u64) -> Result<u64, TooLarge> {
-    let film = u64::from(size[0]) * u64::from(size[1]) * BYTES_PER_PIXEL;
-    let needed = film + FEWEST_PHOTONS * BYTES_PER_PHOTON;
+    let pixels = u64::from(size[0]) * u64::from(size[1]);
+    let film = pixels.saturating_mul(BYTES_PER_PIXEL);
+    let needed = film.saturating_add(FEWEST_PHOTONS * BYTES_PER_PHOTON);
     if needed > budget {
         return Err(TooLarge {
             size,
