@@ -101,6 +101,21 @@ fn the_documentation_names_every_setting_with_its_default() {
 }
 
 #[test]
+fn every_shipped_scene_is_read() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes");
+    let mut count = 0;
+    for entry in std::fs::read_dir(folder).expect("the scenes") {
+        let path = entry.expect("a file").path();
+        if path.extension().is_some_and(|e| e == "ron") {
+            let scene = load(&path).unwrap_or_else(|e| panic!("{e}"));
+            assert!(!scene.lights.is_empty(), "{}", path.display());
+            count += 1;
+        }
+    }
+    assert!(count >= 5, "only {count} scenes");
+}
+
+#[test]
 fn quads_and_their_normals() {
     // The corners that an independent program computed for lights facing a
     // point: center, side, target, four corners.
