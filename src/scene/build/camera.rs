@@ -23,7 +23,7 @@ const MAX_PASSES: u32 = 1 << 24;
 const MAX_PHOTONS: u64 = 1 << 31;
 /// Largest depth.
 const MAX_DEPTH: u32 = 1 << 16;
-/// Least and most memory of a pass, in bytes.
+/// Least and most memory of the film and of a pass's photons, in bytes.
 const MEMORY: std::ops::RangeInclusive<f64> = 1_048_576.0..=1_125_899_906_842_624.0;
 
 /// What the `image` section says.
