@@ -7,6 +7,7 @@
 //! mistakes must be reported, in this order.
 
 use std::{
+    fmt::Write,
     fs,
     path::{Path, PathBuf},
 };
@@ -123,7 +124,7 @@ fn every_broken_scene_is_explained_where_it_is_broken() {
         }
         if !complaints.is_empty() {
             let name = scene.file_name().expect("a name").display();
-            failures += &format!("== {name}: {}\n{found}\n", complaints.join("; "));
+            let _ = writeln!(failures, "== {name}: {}\n{found}", complaints.join("; "));
         }
     }
     assert!(failures.is_empty(), "\n{failures}");
@@ -178,11 +179,10 @@ fn thousands_of_mistakes_are_cut_short() {
     text.push_str(&"(shpe: 3),\n".repeat(5000));
     text.push_str("])");
     let found = load_str(&text, "x.ron", Path::new("")).expect_err("broken");
-    // Three per object, and the missing camera and image.
-    assert_eq!(found.len(), 15_002);
+    assert!((200..210).contains(&found.len()), "{}", found.len());
     let shown = found.to_string();
     assert!(
-        shown.contains("and 14982 more mistakes"),
+        shown.contains("and at least 18"),
         "{}",
         &shown[shown.len() - 200..]
     );

@@ -262,3 +262,44 @@ proptest! {
         }
     }
 }
+
+/// Long inputs that invite work growing with the square of their length: one
+/// line, many parts, each of them wrong. Quadratic work on these would take
+/// hours.
+#[test]
+fn long_broken_scenes_take_linear_work() {
+    let repeat = |part: &str| part.repeat((4 << 20) / part.len());
+    let camera =
+        "camera: (eye: (0, -5, 3), look_at: (0, 0, 0), fov: 45), image: (width: 8, height: 6)";
+    for text in [
+        format!("({camera}, objects: [{}])", repeat("3,")),
+        format!(
+            "({camera}, objects: [{}])",
+            repeat("(shape: Sphere(center: (0, 0, 0), radius: -1), material: \"a\"),")
+        ),
+        format!(
+            "({camera}, lights: [{}])",
+            repeat("Point(position: (0, 0, 0), power: -1),")
+        ),
+        format!("({camera}, {})", repeat("a: 1,")),
+        format!("({camera}, materials: {{{}}})", repeat("\"a\": 1,")),
+        format!(
+            "({camera}, objects: [(shape: Mesh(vertices: [{}]), material: 1)])",
+            repeat("(0, 0),")
+        ),
+        repeat("("),
+        repeat("[1,"),
+        repeat("/*"),
+        repeat("r#\""),
+        repeat("'a"),
+        repeat("\"\\"),
+    ] {
+        throw(&text);
+    }
+    throw_mesh("a.obj", repeat("f 1 2 3\n").as_bytes());
+    throw_mesh("a.obj", repeat("v 0 0 0 \\\n").as_bytes());
+    throw_mesh(
+        "a.ply",
+        format!("ply\nformat ascii 1.0\n{}", repeat("element a 1\n")).as_bytes(),
+    );
+}

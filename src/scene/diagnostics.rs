@@ -8,8 +8,9 @@ use super::source::{Source, floor_char_boundary};
 
 /// Diagnostics shown in full; the rest is counted.
 const SHOWN: usize = 20;
-/// Diagnostics kept; a file of nothing but mistakes must not fill memory.
-const KEPT: usize = 1000;
+/// Diagnostics after which reading stops: a file of nothing but mistakes must
+/// fill neither memory nor time.
+const KEPT: usize = 200;
 /// Longest piece of a line shown around a mistake, in bytes.
 const EXCERPT: usize = 160;
 
@@ -162,28 +163,21 @@ impl Diagnostic {
             Renderer::plain()
         };
         let mut parts: Vec<Element<'_>> = Vec::new();
-        match (&self.excerpt, self.place) {
-            (Some(excerpt), Place::Text { line, column }) => {
-                let label = (!self.label.is_empty()).then_some(self.label.as_str());
-                let mark = AnnotationKind::Primary
-                    .span(excerpt.mark.clone())
-                    .label(label);
-                let snippet = Snippet::source(&excerpt.text)
-                    .line_start(line)
-                    .fold(false)
-                    .annotation(mark);
-                if excerpt.is_whole {
-                    parts.push(snippet.path(&self.file).into());
-                } else {
-                    let origin = Origin::path(&self.file).line(line).char_column(column);
-                    parts.extend([origin.into(), snippet.into()]);
-                }
+        if let (Some(excerpt), Place::Text { line, column }) = (&self.excerpt, self.place) {
+            let label = (!self.label.is_empty()).then_some(self.label.as_str());
+            let mark = AnnotationKind::Primary.span(excerpt.mark.clone());
+            let snippet = Snippet::source(&excerpt.text).line_start(line).fold(false);
+            let snippet = snippet.annotation(mark.label(label));
+            if excerpt.is_whole {
+                parts.push(snippet.path(&self.file).into());
+            } else {
+                let origin = Origin::path(&self.file).line(line).char_column(column);
+                parts.extend([origin.into(), snippet.into()]);
             }
-            _ => {
-                parts.push(Origin::path(self.location()).into());
-                if !self.label.is_empty() {
-                    parts.push(Level::NOTE.message(self.label.as_str()).into());
-                }
+        } else {
+            parts.push(Origin::path(self.location()).into());
+            if !self.label.is_empty() {
+                parts.push(Level::NOTE.message(self.label.as_str()).into());
             }
         }
         if let Some(note) = &self.note {
@@ -241,17 +235,22 @@ impl Diagnostics {
         }
     }
 
+    /// Whether there are so many mistakes that further ones are not kept.
+    pub fn is_full(&self) -> bool {
+        self.list.len() >= KEPT
+    }
+
     /// Whether nothing is wrong.
     pub fn is_empty(&self) -> bool {
         self.list.is_empty()
     }
 
-    /// Number of mistakes.
+    /// Number of mistakes; a lower bound if the list is full.
     pub fn len(&self) -> usize {
         self.list.len() + self.dropped
     }
 
-    /// The mistakes, up to a limit of a thousand.
+    /// The mistakes, up to a limit of two hundred.
     pub fn iter(&self) -> std::slice::Iter<'_, Diagnostic> {
         self.list.iter()
     }
@@ -276,7 +275,15 @@ impl Diagnostics {
         let mut text = shown.join("\n\n");
         let more = self.len().saturating_sub(SHOWN);
         if more > 0 {
-            text.push_str(&format!("\n\n... and {more} more mistakes"));
+            let least = if self.is_full() { "at least " } else { "" };
+            let plural = if more == 1 { "" } else { "s" };
+            text.extend([
+                "\n\n... and ",
+                least,
+                &more.to_string(),
+                " more mistake",
+                plural,
+            ]);
         }
         text
     }
@@ -354,13 +361,13 @@ mod tests {
     #[test]
     fn many_mistakes_are_counted_not_shown() {
         let mut all = Diagnostics::default();
-        for _ in 0..2025 {
+        for _ in 0..225 {
             all.push(sample());
         }
-        assert_eq!(all.len(), 2025);
+        assert_eq!(all.len(), 225);
         assert_eq!(all.iter().count(), KEPT);
         let text = all.to_string();
         assert_eq!(text.matches("negative radius").count(), SHOWN);
-        assert!(text.contains("and 2005 more"));
+        assert!(text.contains("and at least 205 more mistakes"));
     }
 }

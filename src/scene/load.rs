@@ -128,18 +128,30 @@ fn read_description(report: &mut Report) -> Description {
     description.image = image.and_then(|node| part(report, node));
     description.render = render.and_then(|node| part(report, node));
     for (name, node) in entries(report, materials) {
+        if report.diagnostics.is_full() {
+            break;
+        }
         let value = report.decode(node);
         description.materials.push((name, Part { node, value }));
     }
     for (name, node) in entries(report, meshes) {
+        if report.diagnostics.is_full() {
+            break;
+        }
         let value = read_mesh_source(report, node);
         description.meshes.push((name, Part { node, value }));
     }
     for node in elements(report, objects) {
+        if report.diagnostics.is_full() {
+            break;
+        }
         let value = read_object(report, node);
         description.objects.push(Part { node, value });
     }
     for node in elements(report, lights) {
+        if report.diagnostics.is_full() {
+            break;
+        }
         let value = report.decode(node);
         description.lights.push(Part { node, value });
     }
@@ -187,6 +199,9 @@ fn fields<const N: usize>(
     let mut found = [None; N];
     let children: Vec<NodeId> = report.outline.children(node).collect();
     for child in children {
+        if report.diagnostics.is_full() {
+            break;
+        }
         let key = report.outline.key_text(report.text(), child);
         match known.iter().position(|&k| Some(k) == key) {
             None => report.push(report.unknown_field(child, &known)),
@@ -226,6 +241,9 @@ fn entries(report: &mut Report, map: Option<NodeId>) -> Vec<(String, NodeId)> {
     let mut list: Vec<(String, NodeId)> = Vec::with_capacity(children.len());
     let mut seen = std::collections::HashSet::new();
     for child in children {
+        if report.diagnostics.is_full() {
+            break;
+        }
         let raw = &report.text()[report.outline.key(child).unwrap_or_default()];
         let Ok(name) = options().from_str::<String>(raw) else {
             let diagnostic = report

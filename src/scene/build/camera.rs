@@ -6,7 +6,7 @@ use crate::{
     numeric::gamma,
     scene::{
         Settings,
-        description::{CameraDescription, Memory, Number, Part, RenderDescription},
+        description::{Memory, Number, Part, RenderDescription},
         outline::NodeId,
     },
 };
@@ -23,7 +23,7 @@ const MAX_PASSES: u32 = 1 << 24;
 const MAX_PHOTONS: u64 = 1 << 31;
 /// Largest depth.
 const MAX_DEPTH: u32 = 1 << 16;
-/// Least and most memory of a pass, in bytes.
+/// Least and most memory of the film and of a pass's photons, in bytes.
 const MEMORY: std::ops::RangeInclusive<f64> = 1_048_576.0..=1_125_899_906_842_624.0;
 
 /// What the `image` section says.
@@ -88,7 +88,7 @@ impl Builder<'_> {
         let fov = c.fov.and_then(|fov| self.field_of_view(node, fov));
         let height = c.height.and_then(|h| self.report.length(node, "height", h));
         let (eye, look_at, up) = (eye?, look_at?, up?);
-        self.check_view(node, c, look_at - eye, up)?;
+        self.check_view(node, look_at - eye, up)?;
         match which? {
             0 => Some(Camera::perspective(eye, look_at, up, fov?, resolution)),
             _ => Some(Camera::orthographic(eye, look_at, up, height?, resolution)),
@@ -109,13 +109,7 @@ impl Builder<'_> {
     }
 
     /// The eye looks somewhere, and `up` says which way is up.
-    fn check_view(
-        &mut self,
-        node: NodeId,
-        camera: &CameraDescription,
-        view: glam::DVec3,
-        up: glam::DVec3,
-    ) -> Option<()> {
+    fn check_view(&mut self, node: NodeId, view: glam::DVec3, up: glam::DVec3) -> Option<()> {
         let Some(forward) = unit(view) else {
             let place = self.report.field(node, "look_at");
             let help = "move one of them";
@@ -144,7 +138,6 @@ impl Builder<'_> {
             } else {
                 "straight along the default `up`"
             };
-            let _ = camera;
             return self
                 .report
                 .reject(place, message, label, format!("write `up: {other}`"));

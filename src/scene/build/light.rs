@@ -30,6 +30,9 @@ impl Builder<'_> {
     pub(super) fn lights(&mut self) -> Vec<BuiltLight> {
         let mut list = Vec::new();
         for (index, part) in self.description.lights.iter().enumerate() {
+            if self.report.diagnostics.is_full() {
+                break;
+            }
             let Some(description) = &part.value else {
                 continue;
             };
@@ -68,13 +71,11 @@ impl Builder<'_> {
         first_per_second: f64,
     ) -> Option<Rgb> {
         let fields = [(first.0, first.1.is_some()), (second.0, second.1.is_some())];
-        match self.report.exactly_one(node, &fields)? {
-            0 => self.report.light_colour(node, first.0, first.1?),
-            _ => {
-                let colour = self.report.light_colour(node, second.0, second.1?)?;
-                Some(colour * first_per_second)
-            }
+        if self.report.exactly_one(node, &fields)? == 0 {
+            return self.report.light_colour(node, first.0, first.1?);
         }
+        let colour = self.report.light_colour(node, second.0, second.1?)?;
+        Some(colour * first_per_second)
     }
 
     fn point_light(&mut self, node: NodeId, l: &PointLight) -> Option<Light> {

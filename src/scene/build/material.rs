@@ -16,6 +16,9 @@ const MAX_IOR: f64 = 100.0;
 impl<'d> Builder<'d> {
     pub(super) fn named_materials(&mut self) {
         for (name, part) in &self.description.materials {
+            if self.report.diagnostics.is_full() {
+                break;
+            }
             let material = part
                 .value
                 .as_ref()
@@ -55,13 +58,13 @@ impl<'d> Builder<'d> {
     pub(super) fn chosen_material(&mut self, part: &'d Part<MaterialChoice>) -> Option<Material> {
         match &part.value {
             MaterialChoice::Inline(description) => self.material(part.node, description),
-            MaterialChoice::Named(name) => match self.materials.get(name.as_str()) {
-                Some(material) => *material,
-                None => {
-                    self.dangling(part.node, "material", "materials", name);
-                    None
+            MaterialChoice::Named(name) => {
+                if let Some(material) = self.materials.get(name.as_str()) {
+                    return *material;
                 }
-            },
+                self.dangling(part.node, "material", "materials", name);
+                None
+            }
         }
     }
 
@@ -69,12 +72,8 @@ impl<'d> Builder<'d> {
     pub(super) fn dangling(&mut self, place: NodeId, what: &str, section: &str, name: &str) {
         let description = self.description;
         let names: Vec<&str> = match section {
-            "materials" => description
-                .materials
-                .iter()
-                .map(|(n, _)| n.as_str())
-                .collect(),
-            _ => description.meshes.iter().map(|(n, _)| n.as_str()).collect(),
+            "materials" => names_of(&description.materials),
+            _ => names_of(&description.meshes),
         };
         let label = match names.as_slice() {
             [] => format!("`{section}` is empty"),
@@ -88,4 +87,14 @@ impl<'d> Builder<'d> {
             .with_help(format!("add it to `{section}`"));
         self.report.push(suggest(diagnostic, name, &names));
     }
+}
+
+/// The first names of a section: enough to look for the one that was meant.
+fn names_of<T>(entries: &[(String, T)]) -> Vec<&str> {
+    const MOST: usize = 1000;
+    entries
+        .iter()
+        .take(MOST)
+        .map(|(name, _)| name.as_str())
+        .collect()
 }

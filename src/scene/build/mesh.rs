@@ -19,6 +19,9 @@ use crate::{
 impl<'d> Builder<'d> {
     pub(super) fn named_meshes(&mut self) {
         for (name, part) in &self.description.meshes {
+            if self.report.diagnostics.is_full() {
+                break;
+            }
             let node = part.node;
             let mesh = part.value.as_ref().and_then(|source| match source {
                 MeshSource::File(path) => self.mesh_from_file(node, path),

@@ -64,6 +64,9 @@ pub(super) fn build(
         files: HashMap::new(),
         triangles_left: super::generate::MAX_TRIANGLES,
     };
+    if builder.report.diagnostics.is_full() {
+        return None;
+    }
     builder.named_materials();
     builder.named_meshes();
     let image = builder.image();

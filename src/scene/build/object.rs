@@ -13,11 +13,14 @@ use crate::{
 
 impl<'d> Builder<'d> {
     pub(super) fn objects(&mut self) -> Vec<BuiltObject> {
-        let description = self.description;
-        let parts = description.objects.iter().enumerate();
-        parts
-            .filter_map(|(index, part)| self.object(index, part))
-            .collect()
+        let mut list = Vec::with_capacity(self.description.objects.len());
+        for (index, part) in self.description.objects.iter().enumerate() {
+            if self.report.diagnostics.is_full() {
+                break;
+            }
+            list.extend(self.object(index, part));
+        }
+        list
     }
 
     /// Checks all parts of an object, so that all its mistakes are found.
@@ -30,7 +33,7 @@ impl<'d> Builder<'d> {
         let shape = d.shape.as_ref().and_then(|s| self.shape(s));
         let material = d.material.as_ref().and_then(|m| self.chosen_material(m));
         let transform = self.placement(d.at.as_ref());
-        let (shape, material, transform) = (shape?, material?, transform?);
+        let (shape, material, transform) = (shape?, material?, transform.ok()?);
         if let Material::Dielectric { thin: false, .. } = material {
             self.check_closed(*node, d, &shape)?;
         }

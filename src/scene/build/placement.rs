@@ -13,22 +13,25 @@ use crate::{
     },
 };
 
+/// A mistake that has been reported.
+pub(super) struct Reported;
+
 impl Builder<'_> {
-    /// The map from the shape's own space to the world. The outer `None` is a
-    /// mistake, the inner one means that nothing moves.
+    /// The map from the shape's own space to the world; `None` where they are
+    /// the same.
     pub(super) fn placement(
         &mut self,
         at: Option<&Part<Vec<Part<TransformStep>>>>,
-    ) -> Option<Option<Transform>> {
+    ) -> Result<Option<Transform>, Reported> {
         let Some(Part { node, value: steps }) = at else {
-            return Some(None);
+            return Ok(None);
         };
         let mut map = DAffine3::IDENTITY;
         for step in steps {
-            map = self.step(step)? * map;
+            map = self.step(step).ok_or(Reported)? * map;
         }
         if map == DAffine3::IDENTITY {
-            return Some(None);
+            return Ok(None);
         }
         let columns = [map.matrix3.x_axis, map.matrix3.y_axis, map.matrix3.z_axis];
         let range = MIN_LENGTH..=MAX_LENGTH;
@@ -36,15 +39,15 @@ impl Builder<'_> {
             .iter()
             .all(|c| range.contains(&c.abs().max_element()))
             && map.translation.abs().max_element() <= MAX_LENGTH;
-        match Transform::new(map).filter(|_| within) {
-            Some(transform) => Some(Some(transform)),
-            None => {
-                let label = "this map cannot be inverted, or leaves the range of lengths";
-                let help = "no axis may be scaled to (nearly) nothing";
-                self.report
-                    .reject(*node, "a singular transform", label, help)
-            }
+        let transform = Transform::new(map).filter(|_| within);
+        if transform.is_none() {
+            let label = "this map cannot be inverted, or leaves the range of lengths";
+            let help = "no axis may be scaled to (nearly) nothing";
+            self.report
+                .reject::<()>(*node, "a singular transform", label, help);
+            return Err(Reported);
         }
+        Ok(transform)
     }
 
     /// Scale, then rotate, then translate.
@@ -101,7 +104,8 @@ impl Builder<'_> {
 fn sin_cos_degrees(degrees: f64) -> (f64, f64) {
     let reduced = degrees % 360.0;
     let quarters = (reduced / 90.0).round();
-    // Exact: both are multiples of an ulp of a number below 360.
+    // Exact by Sterbenz's lemma: unless `quarters` is 0, the two are within
+    // a factor of two of each other.
     let rest = reduced - 90.0 * quarters;
     let (sin, cos) = trig::sin_cos(rest.to_radians());
     match (quarters as i64).rem_euclid(4) {

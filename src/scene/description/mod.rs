@@ -164,7 +164,7 @@ pub struct RenderDescription {
     pub indirect: Option<bool>,
     /// Longest chain of surface interactions.
     pub max_depth: Option<u32>,
-    /// Memory of a pass.
+    /// Memory of the film and of a pass's photons.
     pub memory: Option<Memory>,
 }
 

@@ -81,7 +81,7 @@ impl Fault {
                     .iter()
                     .rposition(|&b| b == b'\n')
                     .map_or(0, |i| i + 1);
-                let line = 1 + bytes[..start].iter().filter(|&&b| b == b'\n').count();
+                let line = bytes[..start].split(|&b| b == b'\n').count();
                 let rest = &bytes[start..];
                 let end = rest.iter().position(|&b| b == b'\n').unwrap_or(rest.len());
                 let text = String::from_utf8_lossy(&rest[..end]);

@@ -223,16 +223,16 @@ fn resolve(text: &[u8], count: usize, span: &Range<usize>, what: &str) -> Result
             "expected `p`, `p/t`, `p//n` or `p/t/n`",
         ));
     };
-    let resolved = if index < 0 {
-        count as i64 + index
-    } else {
-        index - 1
+    let last = usize::try_from(index.unsigned_abs()).unwrap_or(usize::MAX);
+    let resolved = match index {
+        1.. => Some(last - 1),
+        _ => count.checked_sub(last),
     };
-    if index == 0 || resolved < 0 || resolved >= count as i64 {
+    let Some(resolved) = resolved.filter(|&i| i < count) else {
         let message = format!("{what} {index} does not exist");
         let label = format!("there are {count} so far, counted from 1 or from -1 backwards");
         return Err(Fault::text(span.clone(), message, label));
-    }
+    };
     u32::try_from(resolved).map_err(|_| Fault::text(span.clone(), "too many vertices", ""))
 }
 

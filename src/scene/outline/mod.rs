@@ -77,6 +77,8 @@ struct Node {
     first_child: u32,
     last_child: u32,
     next: u32,
+    /// Position among the parent's children.
+    index: u32,
     kind: Kind,
 }
 
@@ -193,13 +195,10 @@ impl Outline {
         for &child in chain.iter().rev() {
             let parent = NodeId(self.node(child).parent);
             match self.key_text(text, child) {
-                Some(key) if self.kind(parent) == Kind::Map => path += &format!("[\"{key}\"]"),
-                Some(key) if path.is_empty() => path += key,
-                Some(key) => path += &format!(".{key}"),
-                None => {
-                    let index = self.children(parent).position(|c| c == child).unwrap_or(0);
-                    path += &format!("[{index}]");
-                }
+                Some(key) if self.kind(parent) == Kind::Map => path.extend(["[\"", key, "\"]"]),
+                Some(key) if path.is_empty() => path.push_str(key),
+                Some(key) => path.extend([".", key]),
+                None => path.extend(["[", &self.node(child).index.to_string(), "]"]),
             }
         }
         path

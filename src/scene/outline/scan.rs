@@ -1,5 +1,7 @@
 //! The scanner behind the outline: one pass, an explicit stack, no content.
 
+mod token;
+
 use std::ops::Range;
 
 use super::{Kind, MAX_DEPTH, MAX_VALUES, NONE, Node, NodeId, Outline};
@@ -155,27 +157,6 @@ impl<'t> Scanner<'t> {
         }
     }
 
-    /// For `r"`, `r##"`, `b"`, `br#"`: the number of hashes (`usize::MAX`
-    /// for none after an `r`, since nothing is escaped there either) and the
-    /// length of the prefix.
-    fn string_prefix(&self) -> Option<(usize, usize)> {
-        let rest = self.rest();
-        let body = rest.strip_prefix('b').unwrap_or(rest);
-        let raw = body.strip_prefix('r');
-        let hashed = raw.unwrap_or(body);
-        let tail = hashed.trim_start_matches('#');
-        let hashes = hashed.len() - tail.len();
-        if !tail.starts_with('"') || (raw.is_none() && hashes > 0) {
-            return None;
-        }
-        let marker = if raw.is_some() && hashes == 0 {
-            usize::MAX
-        } else {
-            hashes
-        };
-        Some((marker, rest.len() - tail.len()))
-    }
-
     /// A string whose opening quote is next.
     fn string(&mut self, hashes: usize, start: usize, key: Range<usize>) -> Step {
         self.skip_string(hashes, start)?;
@@ -183,33 +164,11 @@ impl<'t> Scanner<'t> {
         Ok(Next::CommaOrClose)
     }
 
-    fn skip_string(&mut self, hashes: usize, start: usize) -> Step<()> {
-        let body = &self.text[self.at + 1..];
-        let length = match hashes {
-            0 => unescaped_quote(body, b'"'),
-            usize::MAX => body.find('"').map(|i| i + 1),
-            n => {
-                let close = format!("\"{}", "#".repeat(n));
-                body.find(&close).map(|i| i + close.len())
-            }
-        };
-        let Some(length) = length else {
-            let mark = start..self.line_end(start);
-            return Err(SyntaxError::new(
-                mark,
-                "this text never ends",
-                "expected a closing `\"`",
-            ));
-        };
-        self.at += 1 + length;
-        Ok(())
-    }
-
     /// A character literal whose opening quote is next.
     fn character(&mut self, start: usize, key: Range<usize>) -> Step {
         // The longest escape is `\u{10ffff}`.
         let body = &self.text[self.at + 1..];
-        match unescaped_quote(body, b'\'').filter(|&n| n <= 12) {
+        match token::unescaped_quote(body, b'\'').filter(|&n| n <= 12) {
             Some(n) if body.starts_with('\\') || body[..n - 1].chars().count() == 1 => {
                 self.at += 1 + n;
                 self.push(Kind::Char, start..self.at, start, key)?;
@@ -401,6 +360,7 @@ impl<'t> Scanner<'t> {
             first_child: NONE,
             last_child: NONE,
             next: NONE,
+            index: 0,
             kind,
         });
         if parent != NONE {
@@ -409,146 +369,10 @@ impl<'t> Scanner<'t> {
                 self.outline.nodes[parent as usize].first_child = index as u32;
             } else {
                 self.outline.nodes[last as usize].next = index as u32;
+                self.outline.nodes[index].index = self.outline.nodes[last as usize].index + 1;
             }
             self.outline.nodes[parent as usize].last_child = index as u32;
         }
         Ok(NodeId(index as u32))
     }
-
-    /// Consumes a run of characters that belong to a number or a name.
-    fn atom(&mut self) -> Range<usize> {
-        let start = self.at;
-        if self.rest().starts_with("r#") {
-            self.at += 2;
-        }
-        let rest = self.rest();
-        let is_end = |c: char| !(c.is_alphanumeric() || "_+-.".contains(c));
-        self.at += rest.find(is_end).unwrap_or(rest.len());
-        start..self.at
-    }
-
-    /// White space and comments.
-    fn skip_space(&mut self) -> Step<()> {
-        loop {
-            let rest = self.rest();
-            let trimmed = rest.trim_start_matches(is_space);
-            self.at += rest.len() - trimmed.len();
-            if trimmed.starts_with("//") {
-                self.at += trimmed.find('\n').unwrap_or(trimmed.len());
-            } else if trimmed.starts_with("/*") {
-                self.skip_block_comment()?;
-            } else {
-                return Ok(());
-            }
-        }
-    }
-
-    fn skip_block_comment(&mut self) -> Step<()> {
-        let start = self.at;
-        let bytes = self.text.as_bytes();
-        let mut depth = 0usize;
-        while self.at < bytes.len() {
-            let step = match &bytes[self.at..] {
-                [b'/', b'*', ..] => {
-                    depth += 1;
-                    2
-                }
-                [b'*', b'/', ..] => {
-                    depth -= 1;
-                    2
-                }
-                _ => 1,
-            };
-            self.at += step;
-            if depth == 0 {
-                return Ok(());
-            }
-        }
-        Err(SyntaxError::new(
-            start..start + 2,
-            "this comment never ends",
-            "expected a closing `*/`",
-        ))
-    }
-
-    fn rest(&self) -> &'t str {
-        &self.text[self.at..]
-    }
-
-    fn peek(&self) -> Option<char> {
-        self.rest().chars().next()
-    }
-
-    /// The next token, to mark it.
-    fn token(&mut self) -> Range<usize> {
-        let start = self.at;
-        let atom = self.atom();
-        self.at = start;
-        if atom.is_empty() {
-            start..start + self.peek().map_or(0, char::len_utf8)
-        } else {
-            atom
-        }
-    }
-
-    fn unexpected(&mut self, expected: &str) -> SyntaxError {
-        let token = self.token();
-        let found = match &self.text[token.clone()] {
-            "" => "the end of the file".to_owned(),
-            found if found.len() > 40 => "a long word".to_owned(),
-            found => format!("`{found}`"),
-        };
-        let mark = if token.is_empty() && token.start > 0 {
-            // The end of the file: mark the last character instead.
-            let last = self.text[..token.start]
-                .trim_end()
-                .char_indices()
-                .next_back();
-            last.map_or(token.clone(), |(i, c)| i..i + c.len_utf8())
-        } else {
-            token
-        };
-        SyntaxError::new(
-            mark,
-            format!("unexpected {found}"),
-            format!("expected {expected}"),
-        )
-    }
-
-    fn line_end(&self, from: usize) -> usize {
-        self.text[from..]
-            .find('\n')
-            .map_or(self.text.len(), |i| from + i)
-    }
-}
-
-/// Bytes up to and including the first `quote` that no backslash escapes.
-fn unescaped_quote(body: &str, quote: u8) -> Option<usize> {
-    let mut escaped = false;
-    for (i, b) in body.bytes().enumerate() {
-        match b {
-            _ if escaped => escaped = false,
-            b'\\' => escaped = true,
-            b if b == quote => return Some(i + 1),
-            _ => {}
-        }
-    }
-    None
-}
-
-/// The white space of RON.
-fn is_space(c: char) -> bool {
-    matches!(
-        c,
-        ' ' | '\t'
-            | '\n'
-            | '\r'
-            | '\x0B'
-            | '\x0C'
-            | '\u{85}'
-            | '\u{200E}'
-            | '\u{200F}'
-            | '\u{2028}'
-            | '\u{2029}'
-    )
 }
