@@ -31,7 +31,7 @@ fn main() {
 }
 
 fn one(photons: u64, budget: u64) {
-    let scene = common::load("cup");
+    let scene = common::load(common::CANONICAL[2]);
     let mut settings = Job::of(&scene).settings;
     settings.photons = Some(photons);
     settings.memory = budget;

@@ -18,7 +18,7 @@ const BYTES_PER_PIXEL: u64 = Film::BYTES_PER_PIXEL as u64 + 2 * size_of::<PixelS
 /// The picture does not fit into the memory budget.
 #[derive(Clone, Copy, Debug, Error, PartialEq, Eq)]
 #[error(
-    "a film of {} x {} pixels needs {}, but the memory budget is {}; render it in parts with a crop, or raise render.memory",
+    "a film of {} x {} pixels needs {}, but the memory budget is {}; render it in parts (--crop), or raise render.memory",
     size[0], size[1], mebibytes(*.needed), mebibytes(*.budget)
 )]
 pub struct TooLarge {
