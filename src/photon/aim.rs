@@ -42,14 +42,17 @@ impl Aim {
         let powers: Vec<f64> = targets
             .iter()
             .map(|t| {
-                let sum: f64 = (0..PILOT)
-                    .map(|i| {
-                        let mut s = pilot.at(i);
-                        let start = domain::draw(&named.light, *t, s.next_2d(), s.next_2d());
-                        (start.emission / start.own_density).mean()
-                    })
-                    .sum();
-                sum / PILOT as f64
+                let (mut sum, mut measure) = (0.0, 0.0);
+                for i in 0..PILOT {
+                    let mut s = pilot.at(i);
+                    let start = domain::draw(&named.light, *t, s.next_2d(), s.next_2d());
+                    sum += (start.emission / start.own_density).mean();
+                    measure += 1.0 / start.own_density;
+                }
+                // As if one more sample had met the light's full strength:
+                // a sliver that the pilot missed must not lose its photons.
+                let unseen = domain::strength(&named.light) * measure / PILOT as f64;
+                (sum + unseen) / (PILOT + 1) as f64
             })
             .collect();
         Self {
@@ -61,8 +64,8 @@ impl Aim {
         }
     }
 
-    /// Estimated power sent towards casters, in W; parts that overlap count
-    /// twice.
+    /// Estimated power sent towards casters, in W, on the safe side; parts
+    /// that overlap count twice.
     pub fn power_estimate(&self) -> f64 {
         if self.choice.is_some() {
             self.power

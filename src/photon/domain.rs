@@ -149,6 +149,20 @@ pub(super) fn density(light: &Light, target: Target, start: &Start) -> f64 {
     }
 }
 
+/// Largest emission of a light in its domain's measure, mean of the channels.
+pub(super) fn strength(light: &Light) -> f64 {
+    match light {
+        Light::Point(l) => l.intensity,
+        Light::Spot(l) => l.intensity,
+        Light::Sphere(l) => l.radiance,
+        Light::Quad(l) => l.radiance,
+        Light::Disc(l) => l.radiance,
+        Light::Beam(l) => l.irradiance,
+        Light::Sun(l) => l.sample_travel([0.5; 2]).1,
+    }
+    .mean()
+}
+
 /// Whether any light from this source can reach the sphere.
 pub(super) fn reaches(light: &Light, sphere: &BoundingSphere) -> bool {
     let beyond = |p: DVec3, n: DVec3| (sphere.center - p).dot(n) > -sphere.radius;
