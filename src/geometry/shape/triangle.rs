@@ -24,8 +24,8 @@ pub struct Triangle {
 }
 
 impl Triangle {
-    /// A triangle of an area above zero; see [`triangle_normal`] for what
-    /// counts as zero.
+    /// A triangle whose area is above zero by more than the rounding of its
+    /// edges.
     pub fn new(a: DVec3, b: DVec3, c: DVec3) -> Self {
         let vertices = [a, b, c];
         Self {
