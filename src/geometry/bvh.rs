@@ -15,73 +15,26 @@
 //! 12 of them are added to every box, the rest being for the advance. Leaves
 //! are tested in `f64` by the caller.
 
+mod fold;
+mod node;
+
 use std::ops::Range;
 
-use glam::{DVec3, Vec3A, Vec4};
-use obvhs::{
-    BvhBuildParams,
-    bvh2::{Bvh2, builder::build_bvh2},
+use glam::{DVec3, Vec4};
+use obvhs::{BvhBuildParams, bvh2::builder::build_bvh2};
+
+use self::{
+    fold::{fold, stack_need},
+    node::{COUNT_SHIFT, FIRST, LEAF, MAX_PER_LEAF, Node, NodeRay, NodeSpace},
 };
+use super::Aabb;
+use crate::numeric::{bounds::round_up_f32, gamma};
 
-use super::{Aabb, transform::power_of_two_near};
-use crate::numeric::{
-    bounds::{round_down_f32, round_up_f32},
-    gamma,
-};
-
-/// Children per node.
-pub const WIDTH: usize = 8;
-
-/// The largest number of primitives in one tree, 2^28.
-pub const MAX_PRIMITIVES: usize = FIRST as usize + 1;
-
-/// By how much boxes grow in node space; derived in the module's text.
-const GROWTH: f64 = 12.0 / 16_777_216.0;
-
-/// A child reference: either the index of a node, or the flag, the number of
-/// primitives less one, and the first primitive's slot.
-const LEAF: u32 = 1 << 31;
-const COUNT_SHIFT: u32 = 28;
-const FIRST: u32 = (1 << COUNT_SHIFT) - 1;
-const MAX_PER_LEAF: u32 = 8;
+pub use self::node::{MAX_PRIMITIVES, WIDTH};
 
 /// Stack entries that fit without allocation; deeper trees, which only
 /// pathological scenes give, allocate.
 const STACK: usize = 96;
-
-/// Eight numbers, one per child.
-type Lanes = [Vec4; WIDTH / 4];
-
-/// Up to [`WIDTH`] boxes; those not used can't be hit.
-#[derive(Clone, Debug)]
-#[repr(align(64))]
-struct Node {
-    /// Lower and upper faces along each axis.
-    faces: [[Lanes; 2]; 3],
-    children: [u32; WIDTH],
-}
-
-impl Node {
-    const EMPTY: Self = Self {
-        faces: [[[Vec4::INFINITY; 2], [Vec4::NEG_INFINITY; 2]]; 3],
-        children: [0; WIDTH],
-    };
-
-    fn set(&mut self, lane: usize, aabb: &obvhs::aabb::Aabb, child: u32) {
-        for axis in 0..3 {
-            self.faces[axis][0][lane / 4][lane % 4] = aabb.min[axis];
-            self.faces[axis][1][lane / 4][lane % 4] = aabb.max[axis];
-        }
-        self.children[lane] = child;
-    }
-
-    /// The references in use.
-    fn used(&self) -> impl Iterator<Item = u32> {
-        let [low, high] = &self.faces[0];
-        let used = move |lane: &usize| low[lane / 4][lane % 4] <= high[lane / 4][lane % 4];
-        (0..WIDTH).filter(used).map(|lane| self.children[lane])
-    }
-}
 
 /// A tree over primitives that the caller keeps, in the order of their slots.
 #[derive(Clone, Debug)]
@@ -90,37 +43,6 @@ pub struct Bvh {
     space: NodeSpace,
     /// The most stack entries that any ray can need.
     stack_need: usize,
-}
-
-/// The map from the caller's coordinates to the boxes'.
-#[derive(Clone, Copy, Debug)]
-struct NodeSpace {
-    center: DVec3,
-    /// A power of two, so that scaling is exact.
-    scale: f64,
-    /// Half the size of the whole, grown, in node space.
-    half: DVec3,
-}
-
-/// A ray in node space, at the point where it enters the whole.
-struct NodeRay {
-    origin: [f32; 3],
-    inverse: [f32; 3],
-    /// Along which axes it meets the upper face first.
-    backward: [bool; 3],
-    /// Node-space length per unit of the caller's `t`.
-    per_t: f64,
-    /// Node-space length already behind the ray.
-    advanced: f64,
-}
-
-impl NodeRay {
-    /// The caller's `t` as a length from the point of entry, not below the
-    /// true value.
-    #[inline]
-    fn limit(&self, t: f64) -> f32 {
-        round_up_f32(t * self.per_t * (1.0 + gamma(4)) - self.advanced)
-    }
 }
 
 #[derive(Clone, Copy, Default)]
@@ -297,6 +219,10 @@ impl Bvh {
 
 /// Tests a node's boxes and puts those that are met on the stack, nearest on
 /// top. Returns the stack's new length.
+#[allow(
+    clippy::inline_always,
+    reason = "one call per node visited; measured at a tenth of the walk"
+)]
 #[inline(always)]
 fn push_hits(node: &Node, ray: &NodeRay, limit: f32, stack: &mut [Entry], mut len: usize) -> usize {
     let mut near = [Vec4::ZERO; WIDTH / 4];
@@ -307,7 +233,8 @@ fn push_hits(node: &Node, ray: &NodeRay, limit: f32, stack: &mut [Entry], mut le
         let first = &node.faces[axis][usize::from(ray.backward[axis])];
         let last = &node.faces[axis][usize::from(!ray.backward[axis])];
         for half in 0..WIDTH / 4 {
-            // All finite: the order of arguments does not matter.
+            // Never NaN, see `inverse_f32`: the order of arguments does not
+            // matter.
             near[half] = near[half].max((first[half] - origin) * inverse);
             far[half] = far[half].min((last[half] - origin) * inverse);
         }
@@ -331,140 +258,6 @@ fn push_hits(node: &Node, ray: &NodeRay, limit: f32, stack: &mut [Entry], mut le
         len += 1;
     }
     len
-}
-
-impl NodeSpace {
-    fn around(whole: &Aabb) -> Self {
-        if whole.is_empty() {
-            return Self {
-                center: DVec3::ZERO,
-                scale: 1.0,
-                half: DVec3::ZERO,
-            };
-        }
-        let center = whole.center();
-        // The farther faces, since the centre has been rounded.
-        let half = (whole.max - center).max(center - whole.min);
-        let scale = 0.5 / power_of_two_near(half.max_element());
-        let half = half * scale + DVec3::splat(2.0 * GROWTH);
-        Self {
-            center,
-            scale,
-            half,
-        }
-    }
-
-    /// A box in node space, rounded outward and grown.
-    fn aabb(&self, b: &Aabb) -> obvhs::aabb::Aabb {
-        let lo = ((b.min - self.center) * self.scale - DVec3::splat(GROWTH)).to_array();
-        let hi = ((b.max - self.center) * self.scale + DVec3::splat(GROWTH)).to_array();
-        obvhs::aabb::Aabb::new(
-            Vec3A::from_array(lo.map(round_down_f32)),
-            Vec3A::from_array(hi.map(round_up_f32)),
-        )
-    }
-
-    /// The ray in node space from where it enters the whole; `None` if it
-    /// passes by, or does not exist (a direction of zero, a NaN).
-    #[inline]
-    fn enter(&self, origin: DVec3, dir: DVec3, t_max: f64) -> Option<NodeRay> {
-        let length = dir.abs().max_element();
-        let o = (origin - self.center) * self.scale;
-        let d = dir / length;
-        let (mut near, mut far) = (0.0f64, f64::INFINITY);
-        for axis in 0..3 {
-            let inverse = 1.0 / d[axis];
-            let half = self.half[axis].copysign(d[axis]);
-            let (enter, exit) = ((-half - o[axis]) * inverse, (half - o[axis]) * inverse);
-            // A NaN (zero times infinity, on a face) leaves both as they are.
-            near = if enter > near { enter } else { near };
-            far = if exit < far { exit } else { far };
-        }
-        let per_t = length * self.scale;
-        let far = far * (1.0 + 2.0 * gamma(3));
-        // Written so that a NaN anywhere fails it.
-        let meets = near <= far && near <= t_max * per_t * (1.0 + gamma(4));
-        if !(meets && d.is_finite() && o.is_finite()) {
-            return None;
-        }
-        let advanced = near * (1.0 - gamma(4));
-        let o = o + d * advanced;
-        Some(NodeRay {
-            origin: o.to_array().map(|x| x as f32),
-            inverse: d.to_array().map(inverse_f32),
-            backward: d.to_array().map(f64::is_sign_negative),
-            per_t,
-            advanced,
-        })
-    }
-}
-
-/// The reciprocal of a direction's component. Components below 2^-60 of the
-/// largest count as that: over the size of the whole the ray then moves by
-/// far less than the boxes have grown, and no product can become NaN.
-#[inline]
-fn inverse_f32(d: f64) -> f32 {
-    const LARGEST: f32 = (1u64 << 60) as f32;
-    (1.0 / d as f32).clamp(-LARGEST, LARGEST)
-}
-
-/// Folds a binary tree into wide nodes, parents first, and lists the
-/// primitives in the order in which their leaves are met.
-fn fold(binary: &Bvh2) -> (Vec<Node>, Vec<u32>) {
-    let mut nodes = vec![Node::EMPTY];
-    let mut order = Vec::with_capacity(binary.primitive_indices.len());
-    let mut todo = vec![(0u32, 0usize)];
-    while let Some((from, to)) = todo.pop() {
-        for (lane, &child) in open(binary, from).iter().enumerate() {
-            let source = &binary.nodes[child as usize];
-            let reference = if source.is_leaf() {
-                let first = order.len() as u32;
-                let slots = source.first_index..source.first_index + source.prim_count;
-                order.extend(slots.map(|i| binary.primitive_indices[i as usize]));
-                LEAF | (source.prim_count - 1) << COUNT_SHIFT | first
-            } else {
-                nodes.push(Node::EMPTY);
-                todo.push((child, nodes.len() - 1));
-                (nodes.len() - 1) as u32
-            };
-            nodes[to].set(lane, source.aabb(), reference);
-        }
-    }
-    (nodes, order)
-}
-
-/// The descendants of a binary node that become the children of a wide one:
-/// the largest inner one is opened until there are enough.
-fn open(binary: &Bvh2, node: u32) -> Vec<u32> {
-    let mut children = vec![node];
-    while children.len() < WIDTH {
-        let area = |&i: &u32| binary.nodes[i as usize].aabb().half_area();
-        let largest = (0..children.len())
-            .filter(|&i| !binary.nodes[children[i] as usize].is_leaf())
-            .max_by(|&i, &j| area(&children[i]).total_cmp(&area(&children[j])));
-        let Some(i) = largest else { break };
-        let first = binary.nodes[children[i] as usize].first_index;
-        children[i] = first;
-        children.push(first + 1);
-    }
-    children
-}
-
-/// The most entries on the stack at once: a node replaces its own entry by
-/// one for each child. Children come after their parents.
-fn stack_need(nodes: &[Node]) -> usize {
-    let mut need = vec![0usize; nodes.len()];
-    for (i, node) in nodes.iter().enumerate().rev() {
-        let (mut count, mut below) = (0, 0);
-        for child in node.used() {
-            count += 1;
-            if child & LEAF == 0 {
-                below = below.max(need[child as usize]);
-            }
-        }
-        need[i] = count + below;
-    }
-    need[0]
 }
 
 #[cfg(test)]

@@ -4,9 +4,9 @@
 //! 2013: vertices are moved into a space in which the ray is the z axis, and
 //! the signs of three edge functions decide. Two triangles that share an edge
 //! see the same moved vertices, so that they cannot disagree about the side
-//! on which the ray passes, provided that the signs are right: where a sign
-//! is within rounding of zero, all three are computed again with compensated
-//! products.
+//! on which the ray passes, provided that the signs are right: where a
+//! value is zero, perhaps by rounding, all three are computed again with
+//! compensated products.
 
 use glam::DVec3;
 
@@ -24,8 +24,8 @@ pub struct Triangle {
 }
 
 impl Triangle {
-    /// A triangle of an area above zero; see [`triangle_normal`] for what
-    /// counts as zero.
+    /// A triangle whose area is above zero by more than the rounding of its
+    /// edges.
     pub fn new(a: DVec3, b: DVec3, c: DVec3) -> Self {
         let vertices = [a, b, c];
         Self {
@@ -192,18 +192,13 @@ impl ShearedRay {
         let mut u = c[0] * b[1] - c[1] * b[0];
         let mut v = a[0] * c[1] - a[1] * c[0];
         let mut w = b[0] * a[1] - b[1] * a[0];
-        let x = greater(greater(a[0].abs(), b[0].abs()), c[0].abs());
-        let y = greater(greater(a[1].abs(), b[1].abs()), c[1].abs());
-        // Two products and a difference: off by at most 4 U x y.
-        let noise = 4.0 * U * x * y;
-        if lesser(lesser(u, v), w) < -noise && greater(greater(u, v), w) > noise {
-            return None;
-        }
-        if lesser(lesser(u.abs(), v.abs()), w.abs()) <= noise {
+        // Rounding keeps order: a computed difference of products can be
+        // zero by mistake, but never have the wrong sign.
+        if u == 0.0 || v == 0.0 || w == 0.0 {
             [u, v, w] = compensated(a, b, c);
-            if (u < 0.0 || v < 0.0 || w < 0.0) && (u > 0.0 || v > 0.0 || w > 0.0) {
-                return None;
-            }
+        }
+        if (u < 0.0 || v < 0.0 || w < 0.0) && (u > 0.0 || v > 0.0 || w > 0.0) {
+            return None;
         }
         let det = u + v + w;
         if det == 0.0 {
@@ -215,11 +210,10 @@ impl ShearedRay {
         if !(t > 0.0 && t < t_max) {
             return None;
         }
-        let extent = [x, y, a[2].abs().max(b[2].abs()).max(c[2].abs())];
         let nearest = (a[2] * self.scale)
             .min(b[2] * self.scale)
             .min(c[2] * self.scale);
-        if nearest <= 0.0 && z.abs() <= depth_error(extent, inverse) {
+        if nearest <= 0.0 && z.abs() <= depth_error(a, b, c, inverse) {
             return None;
         }
         Some((t, [v * inverse, w * inverse]))
@@ -239,19 +233,6 @@ impl ShearedRay {
     }
 }
 
-/// The smaller number, in one instruction: `f64::min` takes several to be
-/// particular about NaN, which a caller here has no use for.
-#[inline]
-fn lesser(a: f64, b: f64) -> f64 {
-    if a < b { a } else { b }
-}
-
-/// The larger number; see [`lesser`].
-#[inline]
-fn greater(a: f64, b: f64) -> f64 {
-    if a > b { a } else { b }
-}
-
 /// The three edge functions with signs that can be trusted down to
 /// underflow.
 #[cold]
@@ -260,16 +241,88 @@ fn compensated(a: [f64; 3], b: [f64; 3], c: [f64; 3]) -> [f64; 3] {
     [edge(c, b), edge(a, c), edge(b, a)]
 }
 
-/// Bound on the error of the depth of a hit on a triangle with moved vertices
-/// of magnitude `[x, y, z]` (pbrt 4th ed., section 6.8.7). Depth is a mean of
+/// Bound on the error of the depth of a hit on a triangle with these moved
+/// vertices (pbrt 4th ed., section 6.8.7). Depth is a mean of
 /// the vertices' with weights of one sign: it only matters for triangles that
 /// reach behind the origin, where the bound tells in front from behind.
 #[cold]
-fn depth_error([x, y, z]: [f64; 3], inverse_det: f64) -> f64 {
+fn depth_error(a: [f64; 3], b: [f64; 3], c: [f64; 3], inverse_det: f64) -> f64 {
+    let [x, y, z] = std::array::from_fn(|i| a[i].abs().max(b[i].abs()).max(c[i].abs()));
     let dz = gamma(3) * z;
     let dx = gamma(5) * (x + z);
     let dy = gamma(5) * (y + z);
     let e = 2.0 * x * y;
     let de = 2.0 * (gamma(2) * x * y + dy * x + dx * y);
     3.0 * (gamma(3) * e * z + de * z + dz * e) * inverse_det.abs()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// An edge passes the ray at a distance whose square rounds away: the
+    /// plain edge function is zero, which would count as inside for the
+    /// triangles on both sides. Only one of them may be met.
+    #[test]
+    fn signs_are_right_below_rounding() {
+        let eps = f64::EPSILON;
+        let (p, q) = (
+            DVec3::new(1.0 + eps, 1.0, 1.0),
+            DVec3::new(1.0, 1.0 - eps, 1.0),
+        );
+        assert_eq!(p.x * q.y - p.y * q.x, 0.0, "the truth is -eps^2");
+        // Opposite corners, such that the origin's line would pass the edge
+        // `pq`, extended to `-10 q`, on a known side.
+        let far = q * DVec3::new(-8.0, -8.0, 1.0);
+        let ray = ShearedRay::new(DVec3::ZERO, DVec3::Z);
+        let left = ray
+            .hit(&[p, far, DVec3::new(-1.0, 1.0, 1.0)], 9.0)
+            .is_some();
+        let right = ray
+            .hit(&[p, far, DVec3::new(1.0, -1.0, 1.0)], 9.0)
+            .is_some();
+        assert!(left != right, "left {left}, right {right}");
+    }
+
+    #[test]
+    fn triangles_behind_or_around_the_origin() {
+        let hit = |z: [f64; 3], dir: f64| {
+            let v = [
+                DVec3::new(-1.0, -1.0, z[0]),
+                DVec3::new(1.0, -1.0, z[1]),
+                DVec3::new(0.0, 1.0, z[2]),
+            ];
+            ShearedRay::new(DVec3::ZERO, DVec3::Z * dir)
+                .hit(&v, 10.0)
+                .map(|h| h.0)
+        };
+        assert_eq!(hit([1.0; 3], 1.0), Some(1.0));
+        assert_eq!(hit([1.0; 3], -1.0), None);
+        assert_eq!(
+            hit([1.0; 3], 0.5),
+            Some(2.0),
+            "t counts in lengths of the direction"
+        );
+        assert_eq!(hit([11.0; 3], 1.0), None, "beyond the limit");
+        // Through the origin: too close to tell on which side.
+        assert_eq!(hit([-1.0, -1.0, 1.0], 1.0), None);
+        assert_eq!(
+            hit([-1.0, -1.0, 1.0 + 1e-9], 1.0).map(|t| t > 0.0),
+            Some(true)
+        );
+    }
+
+    #[test]
+    fn degenerate_means_within_rounding() {
+        let normal = |c: DVec3| triangle_normal(&[DVec3::ONE, DVec3::new(2.0, 3.0, 4.0), c]);
+        assert_eq!(normal(DVec3::new(3.0, 5.0, 7.0)), None, "collinear");
+        assert_eq!(
+            normal(DVec3::new(3.0, 5.0, 7.0f64.next_up())),
+            None,
+            "one rounding off"
+        );
+        assert!(normal(DVec3::new(3.0, 5.0, 7.0 + 1e-13)).is_some(), "thin");
+        assert_eq!(normal(DVec3::new(3.0, f64::NAN, 7.0)), None);
+        assert_eq!(normal(DVec3::new(3.0, f64::INFINITY, 7.0)), None);
+    }
 }
