@@ -363,3 +363,31 @@ fn lamps_and_meshes_are_as_the_headers_say() {
         assert_eq!(Summary::of(&load(file)).triangles, 131_072, "{file}");
     }
 }
+
+/// One small pass, with so many threads.
+fn small_pass(scene: &Scene, threads: usize) -> render::PassOutput {
+    let mut job = Job::of(scene);
+    job.settings.photons = Some(6000);
+    let window = [0, 0, 24, 18];
+    let renderer = render::Renderer::new(scene, &job.settings, [24, 18], window);
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
+    pool.build().unwrap().install(|| renderer.pass(9))
+}
+
+/// In every scene each light's watts are accounted for, the same ones by any
+/// number of threads, and so is each pixel.
+#[test]
+fn every_scene_balances_and_ignores_threads() {
+    for file in scene_files() {
+        let name = file.display();
+        let scene = load(file.file_name().unwrap().to_str().unwrap());
+        let one = small_pass(&scene, 1);
+        for light in &one.tally.lights {
+            let off = light.imbalance().abs();
+            assert!(off <= 1e-9 * light.launched, "{name}: {off} of {light:?}");
+        }
+        let five = small_pass(&scene, 5);
+        assert_eq!(one.tally, five.tally, "{name}: watts");
+        assert!(one.samples == five.samples, "{name}: pixels");
+    }
+}
