@@ -64,7 +64,8 @@ fn hard_shadows() {
     let light = "Point(position: (0, 0, 2), intensity: 3)";
     let wall = "(shape: Quad(corner: (-1, -1, 1), u: (2, 0, 0), v: (0, 2, 0)), material: \"grey\")";
     assert_eq!(irradiance(wall, light).mean, 0.0, "behind a wall");
-    let beside = "(shape: Quad(corner: (1e-6, -1, 1), u: (2, 0, 0), v: (0, 2, 0)), material: \"grey\")";
+    let beside =
+        "(shape: Quad(corner: (1e-6, -1, 1), u: (2, 0, 0), v: (0, 2, 0)), material: \"grey\")";
     assert_close(exact_irradiance(beside, light), 0.75, 1e-6, "beside it");
 }
 
@@ -114,12 +115,25 @@ fn beam_and_sun() {
             -c
         )
     };
-    assert_close(exact_irradiance("", &beam(0.51)), 7.0 * c, 1e-12, "in the beam");
+    assert_close(
+        exact_irradiance("", &beam(0.51)),
+        7.0 * c,
+        1e-12,
+        "in the beam",
+    );
     assert_eq!(irradiance("", &beam(0.49)).mean, 0.0, "beside the beam");
     let sun = |diameter: f64| {
-        format!("Directional(direction: ({s}, 0, {}), irradiance: 7, angular_diameter: {diameter})", -c)
+        format!(
+            "Directional(direction: ({s}, 0, {}), irradiance: 7, angular_diameter: {diameter})",
+            -c
+        )
     };
-    assert_close(exact_irradiance("", &sun(0.0)), 7.0 * c, 1e-12, "parallel light");
+    assert_close(
+        exact_irradiance("", &sun(0.0)),
+        7.0 * c,
+        1e-12,
+        "parallel light",
+    );
     // A cone of constant radiance sends the same vector of irradiance as its
     // axis, as long as it is above the horizon.
     irradiance("", &sun(0.5)).assert_is(7.0 * c, 1e-3, "sun of half a degree");
@@ -129,7 +143,12 @@ fn beam_and_sun() {
 /// E = pi L (r / d)^2 cos for a sphere that is clear of the horizon.
 #[test]
 fn sphere_light() {
-    for (x, z, r) in [(0.0, 2.0, 0.5), (1.5, 1.2, 0.3), (0.0, 1.0, 0.99), (1.0, 3.0, 1e-5)] {
+    for (x, z, r) in [
+        (0.0, 2.0, 0.5),
+        (1.5, 1.2, 0.3),
+        (0.0, 1.0, 0.99),
+        (1.0, 3.0, 1e-5),
+    ] {
         let d2: f64 = x * x + z * z;
         let expected = PI * 5.0 * (r * r / d2) * (z / d2.sqrt());
         let light = format!("Sphere(center: ({x}, 0, {z}), radius: {r}, radiance: 5)");
@@ -146,7 +165,8 @@ fn sphere_light() {
 fn disc_light() {
     for (r, d) in [(0.5f64, 2.0f64), (2.0, 0.5), (1e-4, 1.0)] {
         let expected = PI * 5.0 * r * r / (r * r + d * d);
-        let light = format!("Disc(center: (0, 0, {d}), facing: (0, 0, 0), radius: {r}, radiance: 5)");
+        let light =
+            format!("Disc(center: (0, 0, {d}), facing: (0, 0, 0), radius: {r}, radiance: 5)");
         irradiance("", &light).assert_is(expected, 2e-2, &light);
     }
     let power = PI * PI * 0.25 * 5.0;
@@ -172,7 +192,12 @@ fn lambert(polygon: &[DVec3]) -> f64 {
 
 fn quad_text(corner: DVec3, u: DVec3, v: DVec3) -> String {
     let t = |p: DVec3| format!("({}, {}, {})", p.x, p.y, p.z);
-    format!("Quad(corner: {}, u: {}, v: {}, radiance: 5)", t(corner), t(u), t(v))
+    format!(
+        "Quad(corner: {}, u: {}, v: {}, radiance: 5)",
+        t(corner),
+        t(u),
+        t(v)
+    )
 }
 
 #[test]
@@ -180,19 +205,36 @@ fn quad_light() {
     let cases = [
         // Parallel to the floor and centred: four times the closed form of a
         // rectangle with one corner above the point.
-        (DVec3::new(-0.5, -0.4, 1.5), DVec3::new(0.0, 0.8, 0.0), DVec3::new(1.0, 0.0, 0.0)),
+        (
+            DVec3::new(-0.5, -0.4, 1.5),
+            DVec3::new(0.0, 0.8, 0.0),
+            DVec3::new(1.0, 0.0, 0.0),
+        ),
         // Oblique and off to the side.
-        (DVec3::new(0.7, -0.6, 0.8), DVec3::new(0.2, 0.9, 0.5), DVec3::new(0.3, -0.2, 0.9)),
+        (
+            DVec3::new(0.7, -0.6, 0.8),
+            DVec3::new(0.2, 0.9, 0.5),
+            DVec3::new(0.3, -0.2, 0.9),
+        ),
     ];
     for (k, (corner, u, v)) in cases.into_iter().enumerate() {
         // The side that faces the origin emits.
-        let (u, v) = if u.cross(v).dot(corner) < 0.0 { (u, v) } else { (v, u) };
+        let (u, v) = if u.cross(v).dot(corner) < 0.0 {
+            (u, v)
+        } else {
+            (v, u)
+        };
         let expected = 5.0 * lambert(&[corner, corner + u, corner + u + v, corner + v]);
         if k == 0 {
             let (a, b) = (0.5f64 / 1.5, 0.4f64 / 1.5);
             let quarter = a / (1.0 + a * a).sqrt() * (b / (1.0 + a * a).sqrt()).atan()
                 + b / (1.0 + b * b).sqrt() * (a / (1.0 + b * b).sqrt()).atan();
-            assert_close(expected, 5.0 * 4.0 * 0.5 * quarter, 1e-12, "both closed forms");
+            assert_close(
+                expected,
+                5.0 * 4.0 * 0.5 * quarter,
+                1e-12,
+                "both closed forms",
+            );
         }
         irradiance("", &quad_text(corner, u, v)).assert_is(expected, 2e-3, "quad");
     }
@@ -224,7 +266,11 @@ fn many_lights_are_sampled_without_bias() {
     let mut lights = String::new();
     let mut expected = 0.0;
     for i in 0..20 {
-        let (x, z, power) = (0.1 * f64::from(i), 1.0 + 0.05 * f64::from(i), 1.0 + f64::from(i));
+        let (x, z, power) = (
+            0.1 * f64::from(i),
+            1.0 + 0.05 * f64::from(i),
+            1.0 + f64::from(i),
+        );
         lights += &format!("Point(position: ({x}, 0.2, {z}), power: {power}),");
         let d2: f64 = x * x + 0.04 + z * z;
         expected += power / (4.0 * PI) * z / (d2 * d2.sqrt());
@@ -256,7 +302,9 @@ fn emission_is_seen_directly_and_in_mirrors() {
     };
     close(seen(""), [1.0, 2.0, 3.0], "nothing between");
     close(
-        seen("(shape: Disc(center: (2, 0, 0), normal: (-1, 0, 0), radius: 1), material: Mirror(reflectance: (0.5, 0.6, 0.7)))"),
+        seen(
+            "(shape: Disc(center: (2, 0, 0), normal: (-1, 0, 0), radius: 1), material: Mirror(reflectance: (0.5, 0.6, 0.7)))",
+        ),
         [1.0, 2.4, 5.6],
         "mirrored",
     );

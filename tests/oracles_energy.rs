@@ -7,7 +7,8 @@ use glam::DVec3;
 use nephroid::{sampling::warp, scene::Scene};
 
 const TOP: &str = "eye: (0, 0, 2.5), look_at: (0, 0, 0), up: (0, 1, 0), height: 4";
-const FLOOR: &str = "(shape: Quad(corner: (-3, -3, 0), u: (6, 0, 0), v: (0, 6, 0)), material: \"grey\"),";
+const FLOOR: &str =
+    "(shape: Quad(corner: (-3, -3, 0), u: (6, 0, 0), v: (0, 6, 0)), material: \"grey\"),";
 /// 8 passes of 8192 paths.
 const RENDER: &str = "passes: 8, photons: 8192";
 
@@ -99,9 +100,8 @@ fn mirror_plane() -> Scene {
 
 /// Three concentric shells and a limit of two steps.
 fn low_depth_limit() -> Scene {
-    let shell = |r: f64| {
-        format!("(shape: Sphere(center: (0, 0, 1.3), radius: {r}), material: \"glass\"),")
-    };
+    let shell =
+        |r: f64| format!("(shape: Sphere(center: (0, 0, 1.3), radius: {r}), material: \"glass\"),");
     scene_of(
         TOP,
         [16, 16],
@@ -228,7 +228,10 @@ fn every_entry_of_the_ledger_is_used() {
     let mirrors = ledger(&mirror_box());
     assert!(mirrors.absorbed > 0.0 && mirrors.roulette_gain > 0.0 && mirrors.roulette_loss > 0.0);
     let pane = ledger(&thin_pane());
-    assert!(pane.direct > 0.0, "light that passes the pane is the shadow ray's");
+    assert!(
+        pane.direct > 0.0,
+        "light that passes the pane is the shadow ray's"
+    );
 }
 
 /// The roulette gives to survivors what it takes from the others: gain less
