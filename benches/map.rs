@@ -28,6 +28,7 @@ fn photons(count: u64) -> Vec<Photon> {
                 position: DVec3::new(scale * (x - 0.5), scale * (y - 0.5), 0.0),
                 normal: DVec3::Z,
                 flux: Rgb::WHITE,
+                bounced: false,
             }
         })
         .collect()

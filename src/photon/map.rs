@@ -40,14 +40,22 @@ const SLAB: f32 = 0.5;
 struct Stored {
     position: [f32; 3],
     flux: [f32; 3],
+    /// The normal's code, its lowest bit replaced by the kind of photon.
     normal: u32,
 }
+
+/// The bit of [`Stored::normal`] that marks a photon as bounced.
+const BOUNCED: u32 = 1;
 
 /// The answer to a density query.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Gathered {
-    /// Irradiance in W/m2.
+    /// Irradiance in W/m2 by light that came from its source through specular
+    /// steps alone.
     pub irradiance: Rgb,
+    /// Irradiance in W/m2 by light that a diffuse surface reflected before its
+    /// last specular steps.
+    pub bounced: Rgb,
     /// Photons looked at: the work done.
     pub visited: u32,
 }
@@ -76,7 +84,7 @@ impl PhotonMap {
             .map(|p| Stored {
                 position: (rotation * (p.position - center)).as_vec3().to_array(),
                 flux: p.flux.0.map(|c| c as f32),
-                normal: encode((rotation * p.normal).as_vec3()),
+                normal: encode((rotation * p.normal).as_vec3()) & !BOUNCED | u32::from(p.bounced),
             })
             .collect();
         drop(kept);
@@ -129,13 +137,13 @@ impl PhotonMap {
         };
         let query = (self.rotation * (p - self.center)).as_vec3();
         let normal = (self.rotation * n).as_vec3();
-        let normal_code = encode(normal);
+        let normal_code = encode(normal) | BOUNCED;
         let radius = r as f32;
         let r2 = radius * radius;
         if !(r2 > 0.0 && r2.is_finite() && query.is_finite()) {
             return Gathered::default();
         }
-        let mut sum = [0.0f64; 3];
+        let mut sum = [[0.0f64; 3]; 2];
         let mut visited = 0;
         tree.query(&query.to_array())
             .within::<SquaredEuclidean<f32>>(r2)
@@ -146,7 +154,7 @@ impl PhotonMap {
                 let offset = Vec3::from(stored.position) - query;
                 let height = offset.dot(normal);
                 if height.abs() > SLAB * radius
-                    || (stored.normal != normal_code
+                    || (stored.normal | BOUNCED != normal_code
                         && decode(stored.normal).dot(normal) < SAME_FACE_COSINE)
                 {
                     return;
@@ -157,12 +165,17 @@ impl PhotonMap {
                 if k == 0.0 || !keep(p + self.rotation.transpose() * offset.as_dvec3()) {
                     return;
                 }
-                for (s, f) in sum.iter_mut().zip(stored.flux) {
+                for (s, f) in sum[(stored.normal & BOUNCED) as usize]
+                    .iter_mut()
+                    .zip(stored.flux)
+                {
                     *s += k * f64::from(f);
                 }
             });
+        let [irradiance, bounced] = sum.map(|s| Rgb(s) * (FRAC_2_PI * self.per_path / (r * r)));
         Gathered {
-            irradiance: Rgb(sum) * (FRAC_2_PI * self.per_path / (r * r)),
+            irradiance,
+            bounced,
             visited,
         }
     }
@@ -284,6 +297,7 @@ mod tests {
                     position: DVec3::new((2.0 * a - 1.0) * half, (2.0 * b - 1.0) * half, height(i)),
                     normal: DVec3::Z,
                     flux: Rgb::new(1.0, 0.5, 0.25),
+                    bounced: false,
                 }
             })
             .collect()
@@ -409,6 +423,7 @@ mod tests {
             position: p,
             normal: DVec3::Z,
             flux: Rgb::WHITE,
+            bounced: false,
         };
         assert!(
             PhotonMap::new(&[], 10)

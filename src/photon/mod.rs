@@ -21,4 +21,4 @@ pub use emit::{Emission, Emitter};
 pub use map::{BYTES_PER_PHOTON, Gathered, PhotonMap};
 pub use shoot::{Shot, shoot};
 pub use tally::{LightTally, Tally};
-pub use trace::{Photon, trace};
+pub use trace::{PHOTONS_PER_PATH, Photon, trace};

@@ -61,12 +61,10 @@ fn shoot_chunk(
     for index in range {
         let mut stream = sequence.at(index);
         let emission = emitter.emit(ctx, &mut stream);
-        photons.extend(trace(
-            ctx,
-            &emission,
-            &mut stream,
-            &mut tally.lights[emission.light as usize],
-        ));
+        let ledger = &mut tally.lights[emission.light as usize];
+        trace(ctx, &emission, &mut stream, ledger, &mut |photon| {
+            photons.push(photon);
+        });
     }
     (photons, tally)
 }

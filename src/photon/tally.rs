@@ -8,8 +8,10 @@ use serde::Serialize;
 /// the colour channels) over all launched paths, in W times paths; `paths`
 /// and the counts are numbers of paths.
 ///
-/// The balance, to rounding: `launched + roulette_gain + shading_change =
-/// stored + direct + absorbed + escaped + roulette_loss + truncated`.
+/// The balance, to rounding: `launched + reflected + roulette_gain +
+/// shading_change = stored + direct + absorbed + escaped + roulette_loss +
+/// truncated`. A stored photon has landed for good; what the surface sends on
+/// of it is booked anew as `reflected`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct LightTally {
     /// Paths launched, those of zero flux included.
@@ -22,13 +24,16 @@ pub struct LightTally {
     pub landed_paths: u64,
     /// Flux launched.
     pub launched: f64,
+    /// Flux sent on by diffuse surfaces after it was stored.
+    pub reflected: f64,
     /// Flux added to survivors of the roulette.
     pub roulette_gain: f64,
     /// Flux added (or, if negative, taken) by shading normals.
     pub shading_change: f64,
     /// Flux stored in the map.
     pub stored: f64,
-    /// Flux that landed unbent: the shadow rays' share.
+    /// Flux that landed unbent since its launch or its reflection: the shadow
+    /// rays' and the camera paths' share.
     pub direct: f64,
     /// Flux absorbed by mirrors, black surfaces and bodies of lights.
     pub absorbed: f64,
@@ -46,6 +51,7 @@ impl LightTally {
     pub fn scaled(&self, k: f64) -> Self {
         Self {
             launched: self.launched * k,
+            reflected: self.reflected * k,
             roulette_gain: self.roulette_gain * k,
             shading_change: self.shading_change * k,
             stored: self.stored * k,
@@ -60,7 +66,7 @@ impl LightTally {
 
     /// Left side of the balance minus the right side.
     pub fn imbalance(&self) -> f64 {
-        (self.launched + self.roulette_gain + self.shading_change)
+        (self.launched + self.reflected + self.roulette_gain + self.shading_change)
             - (self.stored
                 + self.direct
                 + self.absorbed
@@ -77,6 +83,7 @@ impl AddAssign for LightTally {
         self.truncated_paths += o.truncated_paths;
         self.landed_paths += o.landed_paths;
         self.launched += o.launched;
+        self.reflected += o.reflected;
         self.roulette_gain += o.roulette_gain;
         self.shading_change += o.shading_change;
         self.stored += o.stored;

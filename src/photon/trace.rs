@@ -1,11 +1,18 @@
 //! One photon path, from its launch to its end.
+//!
+//! Photons are stored where they arrive at a finite lobe after being bent. A
+//! path that is stored goes on once: reflected there, it is stored a second
+//! time if it is bent again before the next finite lobe. That second kind is
+//! light between diffuse surfaces which a camera path would have to find by
+//! chance through glass or a mirror, the caustic as a small bright lamp.
 
 use glam::DVec3;
 
 use crate::{
-    geometry::Ray,
+    geometry::SurfacePoint,
     material::Material,
-    sampling::Stream,
+    numeric::Frame,
+    sampling::{Stream, warp},
     spectrum::Rgb,
     transport::{Carried, Context, Lobe, lobes},
 };
@@ -21,59 +28,85 @@ pub struct Photon {
     pub normal: DVec3,
     /// Flux in W, not yet divided by the number of emitted paths.
     pub flux: Rgb,
+    /// Whether a diffuse surface reflected it on its way.
+    pub bounced: bool,
 }
+
+/// Most photons that one path stores.
+pub const PHOTONS_PER_PATH: u64 = 2;
 
 /// Below this fraction of its launched flux a photon plays roulette at
 /// absorbing surfaces.
 const ROULETTE_BELOW: f64 = 0.25;
 
-/// Follows a photon; what becomes of its flux goes into `tally`.
+/// Stream coordinates of one surface interaction: two for a direction or one
+/// for a lobe, and one for the roulette.
+const DIMENSIONS_PER_STEP: u32 = 3;
+
+/// Follows a photon; what becomes of its flux goes into `tally`, what it
+/// leaves behind to `store`.
 pub fn trace(
     ctx: &Context<'_>,
     emission: &Emission,
     stream: &mut Stream,
     tally: &mut LightTally,
-) -> Option<Photon> {
+    store: &mut impl FnMut(Photon),
+) {
     let mut flux = emission.flux;
     tally.paths += 1;
     tally.launched += flux.mean();
     if flux.is_black() {
-        return None;
+        return;
     }
-    let mut ray: Ray = emission.ray;
-    let mut bent = false;
+    let mut ray = emission.ray;
+    let (mut bent, mut bounced) = (false, false);
     for depth in 0..=ctx.max_depth {
         let Some(hit) = ctx.scene.world.closest(&ray, f64::INFINITY) else {
             tally.escaped += flux.mean();
-            return None;
+            return;
         };
         let point = ctx.scene.world.surface(&ray, &hit);
         let material = ctx.scene.object(hit.surface).material;
         if depth == 0 {
             tally.landed_paths += 1;
         }
-        let Some(lobes) = lobes(&material, &point, ray.dir, Carried::Flux) else {
-            return end(&material, &point, ray.dir, flux, bent, tally);
+        stream.seek(emit::DIMENSIONS + DIMENSIONS_PER_STEP * depth);
+        let (direction, q) = if let Some(lobes) = lobes(&material, &point, ray.dir, Carried::Flux) {
+            if depth == ctx.max_depth {
+                break;
+            }
+            let lobe = lobes.choose(|| stream.next_1d());
+            flux = scatter(flux, &lobe, tally);
+            bent |= lobe.bent;
+            (lobe.dir, survival(flux, emission.flux))
+        } else {
+            let Some(landed) = land(&material, &point, ray.dir, flux, bent, tally) else {
+                return;
+            };
+            store(Photon { bounced, ..landed });
+            if bounced || !ctx.plan.indirect || depth == ctx.max_depth {
+                return;
+            }
+            let Material::Diffuse { reflectance } = material else {
+                return;
+            };
+            flux = landed.flux * reflectance;
+            tally.reflected += flux.mean();
+            (bent, bounced) = (false, true);
+            let local = warp::cosine_hemisphere(stream.next_2d());
+            let direction = Frame::around(landed.normal).to_world(local).normalize();
+            (direction, reflectance.max())
         };
-        if depth == ctx.max_depth {
-            break;
-        }
-        stream.seek(emit::DIMENSIONS + 2 * depth);
-        let lobe = lobes.choose(|| stream.next_1d());
-        flux = scatter(flux, &lobe, tally);
-        let q = survival(flux, emission.flux);
         if q < 1.0 && stream.next_1d() >= q {
             tally.roulette_loss += flux.mean();
-            return None;
+            return;
         }
         tally.roulette_gain += flux.mean() * (1.0 / q - 1.0);
         flux = flux / q;
-        bent |= lobe.bent;
-        ray = point.spawn(lobe.dir);
+        ray = point.spawn(direction);
     }
     tally.truncated += flux.mean();
     tally.truncated_paths += 1;
-    None
 }
 
 /// The flux after a specular step, with its change booked.
@@ -98,10 +131,12 @@ fn survival(flux: Rgb, launched: Rgb) -> f64 {
     }
 }
 
-/// The photon's end at a surface that is not specular.
-fn end(
+/// What a photon leaves at a surface that is not specular. On a smooth-shaded
+/// surface its flux is weighted so that the density of photons stands for the
+/// irradiance about the shading normal (Veach 1997, section 5.3).
+fn land(
     material: &Material,
-    point: &crate::geometry::SurfacePoint,
+    point: &SurfacePoint,
     d: DVec3,
     flux: Rgb,
     bent: bool,
@@ -115,16 +150,26 @@ fn end(
         tally.direct += flux.mean();
         return None;
     }
-    tally.stored += flux.mean();
+    let (mut normal, mut factor) = (point.ng, 1.0);
+    if point.ns != point.ng {
+        let ratio = d.dot(point.ns) / d.dot(point.ng);
+        factor = if ratio.is_finite() {
+            ratio.max(0.0)
+        } else {
+            0.0
+        };
+    }
+    if normal.dot(d) > 0.0 {
+        normal = -normal;
+    }
+    let shaded = flux * factor;
+    tally.shading_change += shaded.mean() - flux.mean();
+    tally.stored += shaded.mean();
     tally.photons += 1;
-    let normal = if point.ng.dot(d) > 0.0 {
-        -point.ng
-    } else {
-        point.ng
-    };
     Some(Photon {
         position: point.p,
         normal,
-        flux,
+        flux: shaded,
+        bounced: false,
     })
 }

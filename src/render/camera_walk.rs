@@ -102,13 +102,15 @@ impl Gather<'_> {
                 let width = self.footprint.width + self.footprint.spread * walker.length;
                 let direct = direct_light(&self.ctx, &at, stream, SHADOW_RAYS[0]);
                 sample[Layer::Direct] += walker.throughput * direct;
-                sample[Layer::Caustic] += walker.throughput * self.caustic(&at, width, tally);
+                let [caustic, bounced] = self.gathered(&at, width, tally);
+                sample[Layer::Caustic] += walker.throughput * caustic;
                 if self.ctx.plan.indirect {
-                    let bounced = Walker {
+                    sample[Layer::Indirect] += walker.throughput * bounced;
+                    let path = Walker {
                         throughput: walker.throughput * reflectance,
                         ..*walker
                     };
-                    sample[Layer::Indirect] += self.indirect(bounced, at, stream, tally);
+                    sample[Layer::Indirect] += self.indirect(path, at, stream, tally);
                 }
             }
             End::Surface { point, .. } => {
@@ -124,10 +126,11 @@ impl Gather<'_> {
     }
 
     /// Reflected radiance of the light in the photon map, for a footprint of
-    /// the given width in metres.
-    fn caustic(&self, at: &DiffusePoint, width: f64, tally: &mut CameraTally) -> Rgb {
+    /// the given width in metres: first of photons that came from their light
+    /// through specular steps alone, then of those that bounced once.
+    fn gathered(&self, at: &DiffusePoint, width: f64, tally: &mut CameraTally) -> [Rgb; 2] {
         let Some(map) = self.map else {
-            return Rgb::BLACK;
+            return [Rgb::BLACK; 2];
         };
         tally.queries += 1;
         let radius = self.scale * width;
@@ -146,7 +149,7 @@ impl Gather<'_> {
             map.irradiance(at.point.p, at.ng, radius, |_| true)
         };
         tally.visited += u64::from(found.visited);
-        at.reflectance * found.irradiance * FRAC_1_PI
+        [found.irradiance, found.bounced].map(|e| at.reflectance * e * FRAC_1_PI)
     }
 
     /// Light from further diffuse surfaces, by path tracing; `path` has just
@@ -168,6 +171,7 @@ impl Gather<'_> {
             };
             let before = path.length;
             path.ray = at.point.spawn(dir);
+            path.bent = false;
             let end = path.walk(&self.ctx, stream, 0, &mut |_, _| {});
             let (point, reflectance) = match end {
                 End::Surface {
@@ -183,8 +187,13 @@ impl Gather<'_> {
             };
             width += DIFFUSE_SPREAD * (path.length - before);
             at = DiffusePoint::new(point, path.ray.dir, reflectance);
-            let found = direct_light(&self.ctx, &at, stream, SHADOW_RAYS[1])
-                + self.caustic(&at, width, tally);
+            let [caustic, bounced] = self.gathered(&at, width, tally);
+            let mut found = direct_light(&self.ctx, &at, stream, SHADOW_RAYS[1]) + bounced;
+            // Seen through glass or a mirror, a caustic has been counted as
+            // photons that bounced there.
+            if !path.bent {
+                found += caustic;
+            }
             sum += path.throughput * found;
             path.throughput *= reflectance;
             bounces += 1;

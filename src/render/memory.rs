@@ -4,7 +4,7 @@ use thiserror::Error;
 
 use crate::{
     film::{Film, PixelSample},
-    photon::BYTES_PER_PHOTON,
+    photon::{BYTES_PER_PHOTON, PHOTONS_PER_PATH},
 };
 
 /// Fewest photon paths of a pass that the program chooses, and fewest that
@@ -34,15 +34,17 @@ fn mebibytes(bytes: u64) -> String {
     format!("{} MiB", bytes.div_ceil(1 << 20))
 }
 
-/// The most photon paths that a pass over a window of `size` pixels may have,
-/// since every path stores at most one photon.
+/// Bytes that a photon path may come to need.
+const BYTES_PER_PATH: u64 = BYTES_PER_PHOTON * PHOTONS_PER_PATH;
+
+/// The most photon paths that a pass over a window of `size` pixels may have.
 ///
 /// # Errors
 /// If the film alone, with room for a few photons, exceeds the budget.
 pub(super) fn photon_budget(size: [u32; 2], budget: u64) -> Result<u64, TooLarge> {
     let pixels = u64::from(size[0]) * u64::from(size[1]);
     let film = pixels.saturating_mul(BYTES_PER_PIXEL);
-    let needed = film.saturating_add(FEWEST_PHOTONS * BYTES_PER_PHOTON);
+    let needed = film.saturating_add(FEWEST_PHOTONS * BYTES_PER_PATH);
     if needed > budget {
         return Err(TooLarge {
             size,
@@ -50,7 +52,7 @@ pub(super) fn photon_budget(size: [u32; 2], budget: u64) -> Result<u64, TooLarge
             budget,
         });
     }
-    Ok((budget - film) / BYTES_PER_PHOTON)
+    Ok((budget - film) / BYTES_PER_PATH)
 }
 
 #[cfg(test)]
@@ -61,7 +63,7 @@ mod tests {
     fn film_and_photons_share_the_budget() {
         let size = [1920, 1080];
         let film = 1920 * 1080 * BYTES_PER_PIXEL;
-        let photons = photon_budget(size, film + 1_000_000 * BYTES_PER_PHOTON);
+        let photons = photon_budget(size, film + 1_000_000 * BYTES_PER_PATH);
         assert_eq!(photons, Ok(1_000_000));
         let refused = photon_budget(size, film).expect_err("no room for photons");
         assert!(

@@ -150,7 +150,11 @@ pub(crate) fn photon_paths(scene: &Scene, count: u64) -> Vec<Path1> {
             let mut stream = sequence.at(i);
             let emission = emitter.emit(&ctx, &mut stream);
             let mut tally = LightTally::default();
-            let photon = trace(&ctx, &emission, &mut stream, &mut tally);
+            // The first photon of a path; a second one has bounced.
+            let mut photon = None;
+            trace(&ctx, &emission, &mut stream, &mut tally, &mut |p| {
+                photon.get_or_insert(p);
+            });
             Path1 {
                 emission,
                 photon,
