@@ -85,7 +85,7 @@ fn a_slab_displaces_a_beam() {
                 -2.0 * s / c,
                 2.0
             ),
-            "max_depth: 2",
+            "max_depth: 2, photons: 1",
         );
         let expected = h * s * (1.0 - c / (n * n - s * s).sqrt());
         let mut landed = 0;
@@ -150,7 +150,7 @@ fn a_prism_deviates_a_beam() {
                   ],
                   lights: [Directional(direction: ({}, 0, {}), irradiance: 1,
                       beam: (center: ({}, 0, {}), radius: 0.01))],
-                  render: (max_depth: 2))",
+                  render: (max_depth: 2, photons: 1))",
                 d.x, d.z, from.x, from.z
             )
         };
@@ -190,7 +190,7 @@ fn ball_lens_focal_length() {
                   ],
                   lights: [Directional(direction: (0, 0, -1), irradiance: 1,
                       beam: (center: (0, 0, 4), radius: 1.3))],
-                  render: (max_depth: 2))"
+                  render: (max_depth: 2, photons: 1))"
             )
         };
         let through = on_two_planes(text, [-9.0, -17.0]);
@@ -304,12 +304,15 @@ fn ball_lens_irradiance() {
         let pixels = 64;
         let exact = ball::irradiance(plane, beam, window, pixels);
         let render_block = "passes: 64, photons: 32768, radius: 1";
-        let scene = scene(&ball::scene_text(plane, beam, window, pixels, render_block));
+        let mut scene = scene(&ball::scene_text(plane, beam, window, pixels, render_block));
         let image = render(&scene).film.layer_image(Layer::Caustic);
         let error = relmse(&image, &exact).expect("same size");
         eprintln!("{plane}: {error} {}", mean_ratio(&image, &exact).unwrap());
         assert!(error < bound, "plane {plane}: relMSE {error}");
-        let flux = layer_means(&scene, 8)[Layer::Caustic as usize];
+        // Any kernel keeps the flux, and a wide one makes peaks harmless.
+        scene.settings.radius = 6.0;
+        scene.settings.photons = Some(16_384);
+        let flux = layer_means(&scene, 4)[Layer::Caustic as usize];
         flux.assert_is(exact.mean()[1], 1e-3, &format!("total flux, plane {plane}"));
     }
 }
@@ -451,9 +454,9 @@ fn index_matched_glass_is_invisible() {
     }
     let lamps = "Sphere(center: (1, -1, 3), radius: 0.2, radiance: 30), Point(position: (-2, 0, 2), power: 5)";
     let [with, without] = [ball, ""].map(|b| {
-        layer_means(&text(b, lamps, "photons: 16384, radius: 4"), 8)
+        layer_means(&text(b, lamps, "photons: 16384, radius: 4"), 5)
     });
-    for layer in Layer::ALL {
+    for layer in [Layer::Direct, Layer::Caustic, Layer::Indirect] {
         let (a, b) = (with[layer as usize], without[layer as usize]);
         let ratio = Estimate {
             mean: a.mean / b.mean,

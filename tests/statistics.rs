@@ -228,10 +228,12 @@ fn assert_samples_light(
             if let Source::Point(target) = sample.source {
                 assert!(sample.wi.dot((target - from).normalize()) > 1.0 - 1e-12);
             }
-            assert!(sees(sample.wi * (1.0 - 1e-12)) || sample.weight[1] < 1e30);
             Some((sample.wi, sample.weight[1], s.next_1d()))
         })
         .collect();
+    // Rounding may put a few just beyond the rim.
+    let beside = samples.iter().filter(|s| !sees(s.0)).count();
+    assert!(beside < 10, "{what}: {beside} samples miss the light");
     let weights: Vec<f64> = samples.iter().map(|s| s.1).collect();
     let most = weights.iter().copied().fold(0.0, f64::max);
     let grid = Grid::<N>::of(samples.iter().filter(|s| s.2 * most < s.1).map(|(wi, ..)| {
@@ -242,13 +244,12 @@ fn assert_samples_light(
     assert_follows(&grid.0, &solid, what);
     let estimate = Estimate::of(&weights);
     let total: f64 = solid.iter().sum();
-    let missed = DRAWS as usize - samples.len();
     let mean = estimate.mean * samples.len() as f64 / DRAWS as f64;
     // The rim of the light crosses about a fiftieth of the fine cells and
     // their counts err by a fraction of it.
     assert!(
         (mean - total).abs() <= 5.0 * estimate.error + 2e-3 * total,
-        "{what}: weights average to {mean}, the solid angle is {total} ({missed} missed)"
+        "{what}: weights average to {mean}, the solid angle is {total}"
     );
 }
 
