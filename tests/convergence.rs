@@ -14,7 +14,13 @@ use nephroid::{
 
 /// Mean relMSE of a layer over independent seeds, after each power of two of
 /// passes from one round on.
-fn errors(scene: &mut Scene, layer: Layer, exact: &Image, seeds: u64, most: u32) -> Vec<(f64, f64)> {
+fn errors(
+    scene: &mut Scene,
+    layer: Layer,
+    exact: &Image,
+    seeds: u64,
+    most: u32,
+) -> Vec<(f64, f64)> {
     let mut curve: Vec<(f64, f64)> = Vec::new();
     for seed in 0..seeds {
         scene.settings.seed = 100 + seed;
@@ -93,9 +99,7 @@ fn uniform_caustic() {
         "photons: 4096, indirect: false",
     );
     // T = (1 - R) / (1 + R) with R = 0.04.
-    let exact = Image::from_fn(24, 24, |_, _| {
-        Rgb::grey(0.96 / 1.04 / std::f64::consts::PI)
-    });
+    let exact = Image::from_fn(24, 24, |_, _| Rgb::grey(0.96 / 1.04 / std::f64::consts::PI));
     let curve = errors(&mut scene, Layer::Caustic, &exact, 3, 256);
     let fit = slope(&curve);
     let renderer = renderer(&scene);

@@ -126,7 +126,10 @@ fn a_crop_is_a_window_of_the_whole() {
     let scene = everything();
     let job = Job::of(&scene);
     let render = |crop| {
-        let job = Job { crop, ..job.clone() };
+        let job = Job {
+            crop,
+            ..job.clone()
+        };
         run(&scene, &job, &mut |_| ControlFlow::Continue(())).film
     };
     let whole = render(None);

@@ -60,7 +60,11 @@ fn uniform_light_through_a_slab() {
         let expected = 3.0 * c * (1.0 - r) / (1.0 + r) * 0.5 / PI;
         let layers = layer_means(&scene, 1);
         layers[Layer::Caustic as usize].assert_is(expected, 5e-3, &format!("{degrees}, {radius}"));
-        assert_eq!(layers[Layer::Direct as usize].mean, 0.0, "glass casts a shadow");
+        assert_eq!(
+            layers[Layer::Direct as usize].mean,
+            0.0,
+            "glass casts a shadow"
+        );
     }
 }
 
@@ -297,10 +301,7 @@ fn bilinear(image: &Image, x: f64, y: f64) -> f64 {
 /// kernel's bias and the noise of 64 passes come to.
 #[test]
 fn ball_lens_irradiance() {
-    for (plane, beam, window, bound) in [
-        (1.3, 0.95, 1.4, 0.02),
-        (2.2, 0.7, 1.6, 0.02),
-    ] {
+    for (plane, beam, window, bound) in [(1.3, 0.95, 1.4, 0.02), (2.2, 0.7, 1.6, 0.02)] {
         let pixels = 64;
         let exact = ball::irradiance(plane, beam, window, pixels);
         let render_block = "passes: 64, photons: 32768, radius: 1";
@@ -367,7 +368,12 @@ fn mirrored_furnace() {
     };
     let uniform = 2.0 * 20.0 / (4.0 * PI * radius * radius) * albedo / PI * albedo / (1.0 - albedo);
     let layers = layer_means(&scene, 8);
-    assert_close(layers[Layer::Direct as usize].mean, from(height), 1e-3, "direct");
+    assert_close(
+        layers[Layer::Direct as usize].mean,
+        from(height),
+        1e-3,
+        "direct",
+    );
     layers[Layer::Caustic as usize].assert_is(from(-height), 1.5e-2, "caustic");
     layers[Layer::Indirect as usize].assert_is(uniform, 1.5e-2, "indirect");
 }
@@ -401,7 +407,12 @@ fn a_thin_pane_dims_and_mirrors() {
         let report = render(&below);
         let e = 9.0 * angle.cos() / (4.0 + x * x);
         let layer = |l| report.film.layer_image(l).mean()[1];
-        assert_close(layer(Layer::Direct), e * dimmed / PI, 1e-6, "through the pane");
+        assert_close(
+            layer(Layer::Direct),
+            e * dimmed / PI,
+            1e-6,
+            "through the pane",
+        );
         assert_eq!(layer(Layer::Caustic), 0.0, "no photon on the far side");
         assert_eq!(report.report.photons_stored, 0, "none at all");
         // Above: a ceiling 1 m over the lamp, 3 m over its mirror image.
@@ -450,12 +461,16 @@ fn index_matched_glass_is_invisible() {
     });
     let mean = without.mean()[1];
     for (a, b) in with.pixels().iter().zip(without.pixels()) {
-        assert!((a[1] - b[1]).abs() <= 1e-9 * mean, "{} is not {}", a[1], b[1]);
+        assert!(
+            (a[1] - b[1]).abs() <= 1e-9 * mean,
+            "{} is not {}",
+            a[1],
+            b[1]
+        );
     }
     let lamps = "Sphere(center: (1, -1, 3), radius: 0.2, radiance: 30), Point(position: (-2, 0, 2), power: 5)";
-    let [with, without] = [ball, ""].map(|b| {
-        layer_means(&text(b, lamps, "photons: 16384, radius: 4"), 5)
-    });
+    let [with, without] =
+        [ball, ""].map(|b| layer_means(&text(b, lamps, "photons: 16384, radius: 4"), 5));
     for layer in [Layer::Direct, Layer::Caustic, Layer::Indirect] {
         let (a, b) = (with[layer as usize], without[layer as usize]);
         let ratio = Estimate {
@@ -491,7 +506,11 @@ fn layers_partition_the_picture() {
     for (i, pixel) in picture.pixels().iter().enumerate() {
         for c in 0..3 {
             let sum: f64 = layers.iter().map(|l| l.pixels()[i][c]).sum();
-            assert!((sum - pixel[c]).abs() <= 1e-14 * pixel[c], "{sum} and {}", pixel[c]);
+            assert!(
+                (sum - pixel[c]).abs() <= 1e-14 * pixel[c],
+                "{sum} and {}",
+                pixel[c]
+            );
         }
     }
     for (layer, image) in Layer::ALL.iter().zip(&layers) {
@@ -500,7 +519,11 @@ fn layers_partition_the_picture() {
     assert!(on.report.indirect);
     let off = render(&everything("passes: 8, photons: 16384, indirect: false"));
     assert!(!off.report.indirect);
-    assert!(off.report.to_string().contains("layer is black"), "{}", off.report);
+    assert!(
+        off.report.to_string().contains("layer is black"),
+        "{}",
+        off.report
+    );
     assert!(greens(&off.film.layer_image(Layer::Indirect)).all(|v| v == 0.0));
     for layer in [Layer::Caustic, Layer::Emission] {
         let [a, b] = [&on, &off].map(|o| o.film.layer_image(layer).mean()[1]);

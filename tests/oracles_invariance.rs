@@ -78,7 +78,10 @@ fn assert_same(what: &str, pictures: &[Image; 4], truth: &[Image; 4]) {
         );
         eprintln!("{what} {name} {error:e} {:e}", ratio - 1.0);
         assert!(error < 1e-6, "{what}, {name}: relMSE {error:e}");
-        assert!((ratio - 1.0).abs() < 1e-5, "{what}, {name}: mean times {ratio}");
+        assert!(
+            (ratio - 1.0).abs() < 1e-5,
+            "{what}, {name}: mean times {ratio}"
+        );
     }
 }
 
@@ -92,5 +95,9 @@ fn any_scale_and_place() {
         assert_same(&format!("shift {shift:?}"), &picture(1.0, shift), &truth);
     }
     // Small and far: the camera is a millimetre away, the origin 100 m.
-    assert_same("small and far", &picture(1e-3, [100.0, -50.0, 20.0]), &truth);
+    assert_same(
+        "small and far",
+        &picture(1e-3, [100.0, -50.0, 20.0]),
+        &truth,
+    );
 }

@@ -101,7 +101,10 @@ fn streams_are_uniform() {
                 s.seek(d);
                 s.next_2d()
             });
-            assert_uniform(points, &format!("index {index}, dimensions {d} and {}", d + 1));
+            assert_uniform(
+                points,
+                &format!("index {index}, dimensions {d} and {}", d + 1),
+            );
         }
     }
     // Neighbouring items and replicates see nothing of each other.
@@ -154,7 +157,9 @@ fn warps_follow_their_densities() {
 fn densities_are_normalised() {
     let n = 1000;
     let cosine: f64 = (0..n)
-        .map(|i| warp::cosine_hemisphere_pdf((f64::from(i) + 0.5) / f64::from(n)) * TAU / f64::from(n))
+        .map(|i| {
+            warp::cosine_hemisphere_pdf((f64::from(i) + 0.5) / f64::from(n)) * TAU / f64::from(n)
+        })
         .sum();
     assert_close(cosine, 1.0, 1e-12, "cosine hemisphere");
     for q in [2.0, 0.3, 1e-12] {
@@ -271,7 +276,8 @@ fn direct_samples_follow_the_light() {
     }
     let corner = DVec3::new(0.5, -0.8, 1.0);
     let (u, v) = (DVec3::new(0.0, 1.5, 0.3), DVec3::new(1.1, 0.2, 0.0));
-    let quad = light("Quad(corner: (0.5, -0.8, 1), u: (0, 1.5, 0.3), v: (1.1, 0.2, 0), radiance: 1)");
+    let quad =
+        light("Quad(corner: (0.5, -0.8, 1), u: (0, 1.5, 0.3), v: (1.1, 0.2, 0), radiance: 1)");
     let normal = u.cross(v);
     let toward = (corner + 0.5 * (u + v) - from).normalize();
     let rim = [corner, corner + u, corner + v, corner + u + v];
@@ -287,7 +293,8 @@ fn direct_samples_follow_the_light() {
     };
     assert_samples_light(&quad, from, (toward, q), sees, "quad");
     let center = DVec3::new(0.5, 0.5, 0.9);
-    let disc = light("Disc(center: (0.5, 0.5, 0.9), normal: (-0.5, 0, -1), radius: 0.6, radiance: 1)");
+    let disc =
+        light("Disc(center: (0.5, 0.5, 0.9), normal: (-0.5, 0, -1), radius: 0.6, radiance: 1)");
     let normal = DVec3::new(-0.5, 0.0, -1.0).normalize();
     let toward = (center - from).normalize();
     let sees = |d: DVec3| {
@@ -347,7 +354,11 @@ const ENDLESS: &str = "(shape: Plane(point: (0, 0, -99), normal: (0, 0, 1)), mat
 fn point_like_lights_emit_their_profile() {
     let point = emissions("Point(position: (1, 2, 3), power: 5)", ENDLESS, 51, DRAWS);
     assert!(point.iter().all(|(e, _)| (e.flux[1] - 5.0).abs() < 1e-12));
-    assert!(point.iter().all(|(e, _)| e.ray.origin == DVec3::new(1.0, 2.0, 3.0)));
+    assert!(
+        point
+            .iter()
+            .all(|(e, _)| e.ray.origin == DVec3::new(1.0, 2.0, 3.0))
+    );
     let direction = |r: Ray| [0.5 * (r.dir.z + 1.0), turn(r.dir.x, r.dir.y)];
     assert_uniform(by_flux(&point).map(direction), "point");
     let spot = emissions(
@@ -359,9 +370,9 @@ fn point_like_lights_emit_their_profile() {
     let mean = Estimate::of(&spot.iter().map(|(e, _)| e.flux[1]).collect::<Vec<_>>());
     assert!((mean.mean - 5.0).abs() < 5.0 * mean.error, "spot: {mean:?}");
     let (inner, outer) = (20f64.to_radians().cos(), 50f64.to_radians().cos());
-    let grid = Grid::<16>::of(by_flux(&spot).map(|r| {
-        [(1.0 - r.dir.x) / (1.0 - outer), turn(r.dir.y, r.dir.z)]
-    }));
+    let grid = Grid::<16>::of(
+        by_flux(&spot).map(|r| [(1.0 - r.dir.x) / (1.0 - outer), turn(r.dir.y, r.dir.z)]),
+    );
     let profile = |x: f64| {
         let cos = 1.0 - x * (1.0 - outer);
         let x = ((cos - outer) / (inner - outer)).clamp(0.0, 1.0);
@@ -392,9 +403,24 @@ fn shapes_emit_by_lamberts_law() {
     };
     let up = |_: Ray| DVec3::Z;
     let cases: [(&str, &str, &dyn Fn(Ray) -> [f64; 2], &dyn Fn(Ray) -> DVec3); 3] = [
-        ("quad", "Quad(corner: (1, 1, 0), u: (2, 0, 0), v: (0, 0.5, 0), power: 5)", &quad_place, &up),
-        ("disc", "Disc(center: (0, 0, 2), normal: (0, 0, 1), radius: 0.7, power: 5)", &disc_place, &up),
-        ("sphere", "Sphere(center: (0, 0, 5), radius: 0.3, power: 5)", &sphere_place, &sphere_normal),
+        (
+            "quad",
+            "Quad(corner: (1, 1, 0), u: (2, 0, 0), v: (0, 0.5, 0), power: 5)",
+            &quad_place,
+            &up,
+        ),
+        (
+            "disc",
+            "Disc(center: (0, 0, 2), normal: (0, 0, 1), radius: 0.7, power: 5)",
+            &disc_place,
+            &up,
+        ),
+        (
+            "sphere",
+            "Sphere(center: (0, 0, 5), radius: 0.3, power: 5)",
+            &sphere_place,
+            &sphere_normal,
+        ),
     ];
     for (name, text, place, normal) in cases {
         let all = emissions(text, ENDLESS, 61, DRAWS);
@@ -408,8 +434,14 @@ fn shapes_emit_by_lamberts_law() {
         };
         assert_uniform(by_flux(&all).map(place), &format!("{name}, places"));
         assert_uniform(by_flux(&all).map(lobe), &format!("{name}, directions"));
-        assert_uniform(by_flux(&all).map(|r| [place(r)[0], lobe(r)[0]]), &format!("{name}, joint"));
-        assert_uniform(by_flux(&all).map(|r| [place(r)[1], lobe(r)[1]]), &format!("{name}, turns"));
+        assert_uniform(
+            by_flux(&all).map(|r| [place(r)[0], lobe(r)[0]]),
+            &format!("{name}, joint"),
+        );
+        assert_uniform(
+            by_flux(&all).map(|r| [place(r)[1], lobe(r)[1]]),
+            &format!("{name}, turns"),
+        );
     }
 }
 
@@ -448,7 +480,10 @@ fn parallel_light_fills_its_cross_section() {
     };
     assert_uniform(by_flux(&sun).map(direction), "sun, directions");
     assert_uniform(by_flux(&sun).map(section), "sun, places");
-    assert_uniform(by_flux(&sun).map(|r| [direction(r)[0], section(r)[0]]), "sun, joint");
+    assert_uniform(
+        by_flux(&sun).map(|r| [direction(r)[0], section(r)[0]]),
+        "sun, joint",
+    );
 }
 
 /// Where a ray enters a ball, as a point of the unit square.
@@ -496,7 +531,8 @@ fn aimed_light_is_the_light_that_arrives() {
         let weights: Vec<f64> = count(&everywhere).iter().map(|c| *c as f64).collect();
         assert_follows(&count(&aimed), &weights, text);
         let arriving = |emissions: &[(Emission, f64)]| {
-            let flux = |(e, _): &(Emission, f64)| entry(e.ray, center, radius).map_or(0.0, |_| e.flux[1]);
+            let flux =
+                |(e, _): &(Emission, f64)| entry(e.ray, center, radius).map_or(0.0, |_| e.flux[1]);
             Estimate::of(&emissions.iter().map(flux).collect::<Vec<_>>())
         };
         let (a, b) = (arriving(&aimed), arriving(&everywhere));
@@ -527,8 +563,13 @@ fn lobes_are_chosen_by_fresnel() {
                 let (s, c) = degrees.to_radians().sin_cos();
                 let d = DVec3::new(s, 0.0, -side * c);
                 let ratio = if side > 0.0 || thin { ior } else { 1.0 / ior };
-                let found = lobes(&Material::Dielectric { ior, thin }, &point, d, Carried::Flux)
-                    .expect("a specular surface");
+                let found = lobes(
+                    &Material::Dielectric { ior, thin },
+                    &point,
+                    d,
+                    Carried::Flux,
+                )
+                .expect("a specular surface");
                 if s > ratio {
                     assert!(matches!(found, Lobes::One(l) if l.bent && l.weight == Rgb::WHITE));
                     continue;
@@ -542,7 +583,7 @@ fn lobes_are_chosen_by_fresnel() {
                 let reflected = (0..DRAWS)
                     .filter(|&k| {
                         let u = independent(90 + tests.get(), k).next_1d();
-                        found.choose(u).dir.z * side > 0.0
+                        found.choose(|| u).dir.z * side > 0.0
                     })
                     .count() as u64;
                 assert_follows(
