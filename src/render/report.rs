@@ -77,6 +77,18 @@ impl Report {
     }
 }
 
+/// Share of light or paths above which the user is advised to act.
+const WORTH_A_WORD: f64 = 1e-3;
+
+/// A share in per cent, readable also where it is tiny.
+fn percent(share: f64) -> String {
+    if share == 0.0 || share >= 1e-4 {
+        format!("{:.2} %", 100.0 * share)
+    } else {
+        format!("{:.0e} %", 100.0 * share)
+    }
+}
+
 impl fmt::Display for Report {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{} passes in {:.1} s", self.passes, self.seconds)?;
@@ -99,13 +111,19 @@ impl fmt::Display for Report {
             )?;
         }
         if self.flux_truncated > 0.0 || self.camera_paths_truncated > 0 {
+            let cameras =
+                f64::from(self.passes) * f64::from(self.size[0]) * f64::from(self.size[1]);
+            let share = self.camera_paths_truncated as f64 / cameras;
             write!(
                 f,
-                "\ndepth limit {} ended {} camera paths and {:.3} % of the photons' flux: raise render.max_depth",
+                "\ndepth limit {} ended {} of the camera paths and {} of the photons' flux",
                 self.max_depth,
-                self.camera_paths_truncated,
-                100.0 * self.flux_truncated
+                percent(share),
+                percent(self.flux_truncated)
             )?;
+            if share.max(self.flux_truncated) > WORTH_A_WORD {
+                write!(f, ": raise render.max_depth")?;
+            }
         }
         if self.samples_refused + self.photons_refused > 0 {
             write!(
