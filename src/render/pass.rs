@@ -244,7 +244,7 @@ impl<'a> Renderer<'a> {
                         let item = u64::from(py) * u64::from(self.resolution[0]) + u64::from(px);
                         let mut stream =
                             Sequence::new(self.settings.seed, Purpose::Camera, replicate, item)
-                                .at(u64::from(round));
+                                .at_own_order(u64::from(round));
                         let [u, v] = stream.next_2d();
                         let film = DVec2::new(f64::from(px) + u, f64::from(py) + v);
                         gather.sample(self.camera.ray(film), &mut stream, &mut tally)

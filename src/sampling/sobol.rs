@@ -76,6 +76,16 @@ fn owen(x: u32, seed: u32) -> u32 {
     v.reverse_bits()
 }
 
+/// Another order of the indices below 2^16, and of each further block of so
+/// many: aligned blocks of a power of two stay together, so that the first
+/// 2^m indices still name 2^m points of good quality (Burley 2020, section 5:
+/// the scrambling applied to the index).
+#[inline]
+pub(super) fn shuffled(index: u32, seed: u32) -> u32 {
+    let (block, low) = (index & 0xffff_0000, index << 16);
+    block | (owen(low, seed ^ block) >> 16)
+}
+
 /// Owen-scrambled point in `[0, 1)`; equal seeds give equal scramblings.
 #[inline]
 pub fn sobol_owen(index: u32, dimension: usize, seed: u32) -> f64 {
@@ -159,6 +169,20 @@ mod tests {
             // 63 degrees of freedom: the 99.99 % quantile is 113.
             assert!(chi2 < 113.0, "index {index}: chi2 = {chi2}");
         }
+    }
+
+    #[test]
+    fn shuffling_permutes_aligned_blocks() {
+        for seed in [0u32, 1, 0xdead_beef] {
+            for (first, size) in [(0u32, 8u32), (0, 64), (96, 32), (1 << 20, 256)] {
+                let mut found: Vec<u32> =
+                    (first..first + size).map(|i| shuffled(i, seed)).collect();
+                found.sort_unstable();
+                assert_eq!(found[0] % size, 0, "an aligned block");
+                assert!(found.windows(2).all(|w| w[1] == w[0] + 1), "{found:?}");
+            }
+        }
+        assert_ne!(shuffled(5, 1), shuffled(5, 2));
     }
 
     /// Integrating a smooth function converges clearly faster than 1/sqrt(n).

@@ -1,6 +1,9 @@
 //! Streams: the address of a path's random numbers.
 
-use super::{DIMENSIONS, mix, mix2, sobol::sobol_owen};
+use super::{
+    DIMENSIONS, mix, mix2,
+    sobol::{shuffled, sobol_owen},
+};
 
 /// What a sequence of samples is used for; part of the address, so that no
 /// two uses share numbers.
@@ -41,6 +44,19 @@ impl Sequence {
             dimension: 0,
             path: index,
         }
+    }
+}
+
+impl Sequence {
+    /// Point `index` in an order that is the sequence's own, for sequences
+    /// that are used side by side with others index by index. In the common
+    /// order, the point of a pixel in round `k` and the photons of round `k`
+    /// would depend on the same bits of `k`, and their errors would add up
+    /// instead of averaging out.
+    #[inline]
+    pub fn at_own_order(self, index: u64) -> Stream {
+        let low = shuffled(index as u32, mix(!self.key) as u32);
+        self.at((index >> 32 << 32) | u64::from(low))
     }
 }
 
