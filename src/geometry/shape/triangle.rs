@@ -178,7 +178,11 @@ impl ShearedRay {
 
     /// [`hit`](Self::hit) for a ray whose axis is known to be `AXIS`: for
     /// loops that settle the axis outside.
-    #[inline]
+    #[allow(
+        clippy::inline_always,
+        reason = "the innermost loop of traversal; measured"
+    )]
+    #[inline(always)]
     pub fn hit_along<const AXIS: usize>(
         &self,
         v: &[DVec3; 3],
@@ -192,12 +196,14 @@ impl ShearedRay {
         let mut u = c[0] * b[1] - c[1] * b[0];
         let mut v = a[0] * c[1] - a[1] * c[0];
         let mut w = b[0] * a[1] - b[1] * a[0];
-        // Rounding keeps order: a computed difference of products can be
-        // zero by mistake, but never have the wrong sign.
-        if u == 0.0 || v == 0.0 || w == 0.0 {
+        let (mut least, mut most) = extremes(u, v, w);
+        if least == 0.0 || most == 0.0 {
+            // Rounding keeps order: a computed difference of products can be
+            // zero by mistake, but never have the wrong sign.
             [u, v, w] = compensated(a, b, c);
+            (least, most) = extremes(u, v, w);
         }
-        if (u < 0.0 || v < 0.0 || w < 0.0) && (u > 0.0 || v > 0.0 || w > 0.0) {
+        if least < 0.0 && most > 0.0 {
             return None;
         }
         let det = u + v + w;
@@ -221,7 +227,11 @@ impl ShearedRay {
 
     /// A vertex relative to the origin, sheared so that the ray is the third
     /// axis (not scaled along it).
-    #[inline]
+    #[allow(
+        clippy::inline_always,
+        reason = "the innermost loop of traversal; measured"
+    )]
+    #[inline(always)]
     fn moved<const AXIS: usize>(&self, p: DVec3) -> [f64; 3] {
         let p = (p - self.origin).to_array();
         let z = p[AXIS];
@@ -231,6 +241,16 @@ impl ShearedRay {
             z,
         ]
     }
+}
+
+/// The smallest and the largest of three numbers, without branches:
+/// `f64::min` takes several instructions to be particular about NaN, which
+/// fails the tests that follow in any case.
+#[inline]
+fn extremes(u: f64, v: f64, w: f64) -> (f64, f64) {
+    let min = |a: f64, b: f64| if a < b { a } else { b };
+    let max = |a: f64, b: f64| if a > b { a } else { b };
+    (min(min(u, v), w), max(max(u, v), w))
 }
 
 /// The three edge functions with signs that can be trusted down to
