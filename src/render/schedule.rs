@@ -1,8 +1,8 @@
 //! How the kernel shrinks from round to round.
 
 /// Independent replicates of the sample sequences; a round holds one pass of
-/// each.
-pub const REPLICATES: u32 = 8;
+/// each, and the film keeps one sum for each.
+pub const REPLICATES: u32 = crate::film::REPLICATES as u32;
 
 /// Exponent of the schedule: with `alpha = 2/3` the mean squared error of the
 /// averaged passes falls fastest, like `N^(-2/3)` for independent photons
