@@ -142,33 +142,34 @@ impl Bvh {
         found < 0.0
     }
 
-    /// Whether the box of any leaf comes within `radius` of `p`.
-    pub fn overlaps(&self, p: DVec3, radius: f64) -> bool {
+    /// Visits the leaves whose boxes come within `radius` of `p`, until
+    /// `leaf` says true. Returns whether it did.
+    pub fn near(&self, p: DVec3, radius: f64, mut leaf: impl FnMut(Range<usize>) -> bool) -> bool {
         let center = (p - self.space.center) * self.space.scale;
         let radius = radius * self.space.scale * (1.0 + gamma(4));
         // Beyond the whole by more than the radius: also keeps the rounding of
         // what follows of order one.
-        if !center
-            .abs()
-            .cmple(self.space.half + DVec3::splat(radius))
-            .all()
-        {
+        let reach = self.space.half + DVec3::splat(radius);
+        if self.nodes.is_empty() || !center.abs().cmple(reach).all() {
             return false;
         }
         let (center, limit) = (center.as_vec3().to_array(), round_up_f32(radius * radius));
-        let mut todo = vec![0u32];
-        while let Some(node) = todo.pop().and_then(|i| self.nodes.get(i as usize)) {
+        let mut todo = Vec::with_capacity(self.stack_need);
+        todo.push(0u32);
+        while let Some(node) = todo.pop().map(|i| &self.nodes[i as usize]) {
             for lane in 0..WIDTH {
                 let gap = (0..3).map(|a| {
                     let face = |side: usize| node.faces[a][side][lane / 4][lane % 4];
-                    let (low, high) = (face(0), face(1));
-                    (low - center[a]).max(center[a] - high).max(0.0)
+                    (face(0) - center[a]).max(center[a] - face(1)).max(0.0)
                 });
-                if gap.map(|g| g * g).sum::<f32>() <= limit {
-                    if node.children[lane] & LEAF != 0 {
-                        return true;
-                    }
-                    todo.push(node.children[lane]);
+                if gap.map(|g| g * g).sum::<f32>() > limit {
+                    continue;
+                }
+                let child = node.children[lane];
+                if child & LEAF == 0 {
+                    todo.push(child);
+                } else if leaf(slots(child)) {
+                    return true;
                 }
             }
         }
@@ -202,9 +203,7 @@ impl Bvh {
                 if child & LEAF == 0 {
                     break child;
                 }
-                let first = (child & FIRST) as usize;
-                let count = (child >> COUNT_SHIFT & 7) as usize + 1;
-                let t = leaf(first..first + count, t_best);
+                let t = leaf(slots(child), t_best);
                 if t < t_best {
                     t_best = t;
                     if t < 0.0 {
@@ -215,6 +214,13 @@ impl Bvh {
             };
         }
     }
+}
+
+/// The slots of a leaf's reference.
+#[inline]
+fn slots(leaf: u32) -> Range<usize> {
+    let first = (leaf & FIRST) as usize;
+    first..first + (leaf >> COUNT_SHIFT & 7) as usize + 1
 }
 
 /// Tests a node's boxes and puts those that are met on the stack, nearest on

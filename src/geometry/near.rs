@@ -1,23 +1,36 @@
-//! Does a shape come near a point? Asked before gathering light around the
+//! Which surfaces come near a point? Asked before gathering light around the
 //! point: where nothing else is near, nothing can stand between two of its
-//! neighbours.
+//! neighbours, and where something is, only that can.
 //!
-//! The answer errs on the side of yes.
+//! The answer errs on the side of too many.
 
 use glam::DVec3;
 
-use super::{Instance, Shape, TriangleMesh, World};
+use super::{Instance, Ray, Shape, TriangleMesh, World};
 
 impl World {
-    /// Whether the surface of any instance but `except` may come within
-    /// `radius` metres of `p`.
-    pub fn is_crowded(&self, p: DVec3, radius: f64, except: u32) -> bool {
-        (0u32..).zip(self.instances()).any(|(i, instance)| {
-            i != except
-                && self
-                    .instance_bounds(i)
-                    .is_none_or(|b| b.padded(radius).contains(p))
-                && instance.comes_near(p, radius)
+    /// The instances but `except` whose surface may come within `radius`
+    /// metres of `p`.
+    pub fn neighbours(&self, p: DVec3, radius: f64, except: u32) -> Vec<u32> {
+        let mut found = Vec::new();
+        let mut ask = |i: u32| {
+            if i != except && self.instances()[i as usize].comes_near(p, radius) {
+                found.push(i);
+            }
+        };
+        self.unbounded().iter().copied().for_each(&mut ask);
+        self.bvh().near(p, radius, |slots| {
+            self.in_slots(slots).iter().copied().for_each(&mut ask);
+            false
+        });
+        found
+    }
+
+    /// Whether a ray meets any of the named instances at `0 < t < t_max`.
+    pub fn occluded_by(&self, instances: &[u32], ray: &Ray, t_max: f64) -> bool {
+        instances.iter().any(|&i| {
+            let leaving = super::world::leaving_part(ray, i);
+            self.instances()[i as usize].occludes(ray, t_max, leaving)
         })
     }
 }
@@ -61,7 +74,7 @@ impl TriangleMesh {
     /// Whether the box of a few neighbouring triangles comes within `radius`
     /// of `p`.
     fn comes_near(&self, p: DVec3, radius: f64) -> bool {
-        self.bvh().overlaps(p, radius)
+        self.bvh().near(p, radius, |_| true)
     }
 }
 
@@ -139,14 +152,17 @@ mod tests {
                     let p =
                         DVec3::new(s.next_1d(), s.next_1d(), s.next_1d()) * 4.0 - DVec3::splat(2.0);
                     let radius = 0.3 * s.next_1d();
-                    let crowded = world.is_crowded(p, radius, u32::MAX);
+                    let crowded = !world.neighbours(p, radius, u32::MAX).is_empty();
                     let ray = Ray::new(p, warp::sphere(s.next_2d()).normalize());
                     if world.closest(&ray, radius).is_some() {
                         assert!(crowded, "{shape:?} is within {radius} of {p}");
                         near += 1;
                     }
                     clear += u32::from(!crowded);
-                    assert!(!world.is_crowded(p, radius, 0), "the exception is left out");
+                    assert!(
+                        world.neighbours(p, radius, 0).is_empty(),
+                        "the exception is left out"
+                    );
                 }
                 assert!(
                     near > 0 && clear > 500,

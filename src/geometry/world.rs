@@ -188,6 +188,21 @@ impl World {
         self.spheres[instance as usize]
     }
 
+    /// The tree over bounded instances.
+    pub(super) fn bvh(&self) -> &Bvh {
+        &self.bvh
+    }
+
+    /// The instances in a range of the tree's slots.
+    pub(super) fn in_slots(&self, slots: std::ops::Range<usize>) -> &[u32] {
+        &self.slots[slots]
+    }
+
+    /// The instances that are not in the tree.
+    pub(super) fn unbounded(&self) -> &[u32] {
+        &self.unbounded
+    }
+
     #[inline]
     fn instance(&self, i: u32) -> &Instance {
         &self.instances[i as usize]

@@ -136,17 +136,17 @@ impl Gather<'_> {
         let radius = self.scale * width;
         let instance = at.point.surface.instance;
         let world = &self.ctx.scene.world;
-        let found = if world.is_crowded(at.point.p, radius, instance) {
+        let mut walls = world.neighbours(at.point.p, radius, instance);
+        walls.retain(|&i| !self.ctx.scene.objects[i as usize].material.is_straight());
+        let found = if walls.is_empty() {
+            map.irradiance(at.point.p, at.ng, radius, |_| true)
+        } else {
             // Light on the far side of a wall does not reach this point.
-            let ignore =
-                |i: u32| i == instance || self.ctx.scene.objects[i as usize].material.is_straight();
             map.irradiance(at.point.p, at.ng, radius, |photon| {
                 at.point
                     .spawn_towards(photon)
-                    .is_none_or(|(ray, distance)| !world.occluded(&ray, distance, ignore))
+                    .is_none_or(|(ray, distance)| !world.occluded_by(&walls, &ray, distance))
             })
-        } else {
-            map.irradiance(at.point.p, at.ng, radius, |_| true)
         };
         tally.visited += u64::from(found.visited);
         [found.irradiance, found.bounced].map(|e| at.reflectance * e * FRAC_1_PI)
