@@ -5,12 +5,13 @@
 //! with its flux; [`trace`] follows it (a pure function); [`shoot`] runs
 //! fixed chunks in parallel and puts the photons in path order; [`PhotonMap`]
 //! builds the tree (the only file that knows the kd-tree crate) and answers
-//! density queries. Flux is in W and already divided by every probability;
+//! density queries, which [`gather`] asks with regard to the walls around. Flux is in W and already divided by every probability;
 //! division by the number of emitted paths happens once, in the estimate.
 
 mod aim;
 mod domain;
 mod emit;
+mod gather;
 mod map;
 mod shoot;
 mod tally;
@@ -18,6 +19,7 @@ mod trace;
 
 pub use aim::Aim;
 pub use emit::{Emission, Emitter};
+pub use gather::gather;
 pub use map::{BYTES_PER_PHOTON, Gathered, PhotonMap};
 pub use shoot::{Shot, shoot};
 pub use tally::{LightTally, Tally};

@@ -10,7 +10,7 @@ use crate::{
     geometry::Ray,
     material::Material,
     numeric::Frame,
-    photon::PhotonMap,
+    photon::{PhotonMap, gather},
     sampling::{Stream, warp},
     spectrum::Rgb,
     transport::{Context, DiffusePoint, End, Walker, direct_light},
@@ -88,9 +88,10 @@ impl Gather<'_> {
     ) {
         match end {
             End::Escaped => {
-                for light in &self.ctx.scene.lights {
+                for &sun in &self.ctx.plan.suns {
+                    let light = &self.ctx.scene.lights[sun as usize].light;
                     sample[Layer::Emission] +=
-                        walker.throughput * light.light.sky_radiance(walker.ray.dir);
+                        walker.throughput * light.sky_radiance(walker.ray.dir);
                 }
             }
             End::Truncated => tally.truncated += 1,
@@ -102,7 +103,7 @@ impl Gather<'_> {
                 let width = self.footprint.width + self.footprint.spread * walker.length;
                 let direct = direct_light(&self.ctx, &at, stream, SHADOW_RAYS[0]);
                 sample[Layer::Direct] += walker.throughput * direct;
-                let [caustic, bounced] = self.gathered(&at, width, tally);
+                let [caustic, bounced] = self.gathered(&at, width, stream, tally);
                 sample[Layer::Caustic] += walker.throughput * caustic;
                 if self.ctx.plan.indirect {
                     sample[Layer::Indirect] += walker.throughput * bounced;
@@ -128,26 +129,18 @@ impl Gather<'_> {
     /// Reflected radiance of the light in the photon map, for a footprint of
     /// the given width in metres: first of photons that came from their light
     /// through specular steps alone, then of those that bounced once.
-    fn gathered(&self, at: &DiffusePoint, width: f64, tally: &mut CameraTally) -> [Rgb; 2] {
+    fn gathered(
+        &self,
+        at: &DiffusePoint,
+        width: f64,
+        stream: &mut Stream,
+        tally: &mut CameraTally,
+    ) -> [Rgb; 2] {
         let Some(map) = self.map else {
             return [Rgb::BLACK; 2];
         };
+        let found = gather(&self.ctx, map, at, self.scale * width, stream.next_1d());
         tally.queries += 1;
-        let radius = self.scale * width;
-        let instance = at.point.surface.instance;
-        let world = &self.ctx.scene.world;
-        let mut walls = world.neighbours(at.point.p, radius, instance);
-        walls.retain(|&i| !self.ctx.scene.objects[i as usize].material.is_straight());
-        let found = if walls.is_empty() {
-            map.irradiance(at.point.p, at.ng, radius, |_| true)
-        } else {
-            // Light on the far side of a wall does not reach this point.
-            map.irradiance(at.point.p, at.ng, radius, |photon| {
-                at.point
-                    .spawn_towards(photon)
-                    .is_none_or(|(ray, distance)| !world.occluded_by(&walls, &ray, distance))
-            })
-        };
         tally.visited += u64::from(found.visited);
         [found.irradiance, found.bounced].map(|e| at.reflectance * e * FRAC_1_PI)
     }
@@ -187,7 +180,7 @@ impl Gather<'_> {
             };
             width += DIFFUSE_SPREAD * (path.length - before);
             at = DiffusePoint::new(point, path.ray.dir, reflectance);
-            let [caustic, bounced] = self.gathered(&at, width, tally);
+            let [caustic, bounced] = self.gathered(&at, width, stream, tally);
             let mut found = direct_light(&self.ctx, &at, stream, SHADOW_RAYS[1]) + bounced;
             // Seen through glass or a mirror, a caustic has been counted as
             // photons that bounced there.
