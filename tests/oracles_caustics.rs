@@ -54,11 +54,11 @@ fn uniform_light_through_a_slab() {
                 -3.0 * s,
                 3.0 * c
             ),
-            &format!("photons: 65536, radius: {radius}, indirect: false"),
+            &format!("photons: 32768, radius: {radius}, indirect: false"),
         );
         let r = reflectance(angle, 1.5);
         let expected = 3.0 * c * (1.0 - r) / (1.0 + r) * 0.5 / PI;
-        let layers = layer_means(&scene, 1);
+        let layers = layer_means(&scene, 4);
         layers[Layer::Caustic as usize].assert_is(expected, 5e-3, &format!("{degrees}, {radius}"));
         assert_eq!(
             layers[Layer::Direct as usize].mean,
@@ -301,14 +301,13 @@ fn bilinear(image: &Image, x: f64, y: f64) -> f64 {
 /// kernel's bias and the noise of 64 passes come to.
 #[test]
 fn ball_lens_irradiance() {
-    for (plane, beam, window, bound) in [(1.3, 0.95, 1.4, 0.02), (2.2, 0.7, 1.6, 0.02)] {
+    for (plane, beam, window, bound) in [(1.3, 0.95, 1.4, 0.0035), (2.2, 0.7, 1.6, 0.011)] {
         let pixels = 64;
         let exact = ball::irradiance(plane, beam, window, pixels);
         let render_block = "passes: 64, photons: 32768, radius: 1";
         let mut scene = scene(&ball::scene_text(plane, beam, window, pixels, render_block));
         let image = render(&scene).film.layer_image(Layer::Caustic);
         let error = relmse(&image, &exact).expect("same size");
-        eprintln!("{plane}: {error} {}", mean_ratio(&image, &exact).unwrap());
         assert!(error < bound, "plane {plane}: relMSE {error}");
         // Any kernel keeps the flux, and a wide one makes peaks harmless.
         scene.settings.radius = 6.0;
@@ -337,7 +336,7 @@ fn furnace() {
         assert_close(layers[Layer::Direct as usize].mean, direct, 1e-12, "direct");
         layers[Layer::Indirect as usize].assert_is(
             direct * albedo / (1.0 - albedo),
-            5e-3,
+            1e-2,
             &format!("indirect, albedo {albedo}"),
         );
     }
@@ -481,8 +480,8 @@ fn index_matched_glass_is_invisible() {
     }
 }
 
-/// The layers sum to the picture, up to four quanta a pass (some 19 digits),
-/// and indirect light can be turned off.
+/// The layers sum to the picture, up to rounding and four quanta a pass (less
+/// than 1e-17 here), and indirect light can be turned off.
 #[test]
 fn layers_partition_the_picture() {
     let everything = |render: &str| {
@@ -507,7 +506,7 @@ fn layers_partition_the_picture() {
         for c in 0..3 {
             let sum: f64 = layers.iter().map(|l| l.pixels()[i][c]).sum();
             assert!(
-                (sum - pixel[c]).abs() <= 1e-14 * pixel[c],
+                (sum - pixel[c]).abs() <= 1e-14 * pixel[c] + 1e-17,
                 "{sum} and {}",
                 pixel[c]
             );
