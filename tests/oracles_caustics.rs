@@ -11,7 +11,7 @@ use common::{
 use glam::DVec3;
 use nephroid::{
     film::{Image, Layer},
-    metrics::{mean_ratio, relmse},
+    metrics::relmse,
 };
 
 /// Flat glass between two open sheets, light from above.

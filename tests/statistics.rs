@@ -387,6 +387,12 @@ fn point_like_lights_emit_their_profile() {
     assert_follows(&grid.0, &weights, "spot");
 }
 
+/// From a ray to its start as a point of the unit square.
+type Place<'a> = &'a dyn Fn(Ray) -> [f64; 2];
+
+/// From a ray to the surface normal where it starts.
+type Normal<'a> = &'a dyn Fn(Ray) -> DVec3;
+
 /// Glowing shapes: uniform over the area, Lambert's law around the normal, and
 /// one has nothing to do with the other.
 #[test]
@@ -402,7 +408,7 @@ fn shapes_emit_by_lamberts_law() {
         [0.5 * (n.z + 1.0), turn(n.x, n.y)]
     };
     let up = |_: Ray| DVec3::Z;
-    let cases: [(&str, &str, &dyn Fn(Ray) -> [f64; 2], &dyn Fn(Ray) -> DVec3); 3] = [
+    let cases: [(&str, &str, Place<'_>, Normal<'_>); 3] = [
         (
             "quad",
             "Quad(corner: (1, 1, 0), u: (2, 0, 0), v: (0, 0.5, 0), power: 5)",
