@@ -148,8 +148,8 @@ fn all() -> [(&'static str, Scene); 8] {
     ]
 }
 
-/// Launched + roulette gain + shading change = stored + direct + absorbed +
-/// escaped + roulette loss + truncated. The sums have 65,536 addends, each
+/// Launched + reflected + roulette gain + shading change = stored + direct +
+/// absorbed + escaped + roulette loss + truncated. The sums have 65,536 addends, each
 /// rounded a few times: 1e-9 is a thousand times what that explains.
 #[test]
 fn the_ledger_of_every_light_balances() {

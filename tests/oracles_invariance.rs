@@ -76,7 +76,6 @@ fn assert_same(what: &str, pictures: &[Image; 4], truth: &[Image; 4]) {
             relmse(a, b).expect("same size"),
             mean_ratio(a, b).expect("same size"),
         );
-        eprintln!("{what} {name} {error:e} {:e}", ratio - 1.0);
         assert!(error < 1e-6, "{what}, {name}: relMSE {error:e}");
         assert!(
             (ratio - 1.0).abs() < 1e-5,

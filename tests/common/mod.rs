@@ -10,6 +10,7 @@
 )]
 
 pub(crate) mod ball;
+pub(crate) mod cells;
 
 use std::{ops::ControlFlow, path::Path};
 
@@ -182,4 +183,15 @@ pub(crate) fn assert_close(value: f64, expected: f64, relative: f64, what: &str)
         "{what}: {value} is not {expected} (off by {:e})",
         (value - expected) / expected
     );
+}
+
+/// Reflectance of one surface by Fresnel's equations in angles.
+pub(crate) fn reflectance(angle: f64, index: f64) -> f64 {
+    if angle == 0.0 {
+        return ((index - 1.0) / (index + 1.0)).powi(2);
+    }
+    let t = (angle.sin() / index).asin();
+    let s = ((angle - t).sin() / (angle + t).sin()).powi(2);
+    let p = ((angle - t).tan() / (angle + t).tan()).powi(2);
+    0.5 * (s + p)
 }
