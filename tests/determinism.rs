@@ -119,11 +119,12 @@ fn order_and_grouping_of_passes() {
     assert!(parts == whole, "merged in parts");
 }
 
-/// A window shows what the whole picture shows there, given the same number of
-/// photons.
+/// A window shows what the whole picture shows there, also where the program
+/// chooses the number of photons.
 #[test]
 fn a_crop_is_a_window_of_the_whole() {
-    let scene = everything();
+    let mut scene = everything();
+    scene.settings.photons = None;
     let job = Job::of(&scene);
     let render = |crop| {
         let job = Job {

@@ -1,19 +1,28 @@
 //! Ctrl-C (and the signals that ask a program to end).
 //!
-//! The first one asks the render to stop after the pass under way; the second
+//! The first one asks the render to stop after the pass under way; a later one
 //! ends the program at once, with the shells' code for an interrupted program.
+//! One that follows within a second is taken for the same wish: what ends a
+//! group of processes often reaches each of them twice.
 //! While files are being written all of them are ignored: that is soon over,
 //! and no half-written file may stay behind.
 
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::{
+    sync::{Arc, Mutex, MutexGuard, PoisonError},
+    time::{Duration, Instant},
+};
 
 /// What the shells report for a program that an interrupt ended: 128 + 2.
 const ENDED_AT_ONCE: i32 = 130;
 
+/// Signals closer together than this are one wish.
+const ONE_WISH: Duration = Duration::from_secs(1);
+
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Phase {
     Rendering,
-    Stopping,
+    /// Asked to stop, at that time.
+    Stopping(Instant),
     Saving,
 }
 
@@ -33,7 +42,7 @@ impl Interrupt {
 
     /// Whether the render should stop.
     pub(crate) fn is_requested(&self) -> bool {
-        *self.phase() == Phase::Stopping
+        matches!(*self.phase(), Phase::Stopping(_))
     }
 
     /// From now on the program writes files and will end by itself.
@@ -46,14 +55,16 @@ impl Interrupt {
         let mut phase = self.phase();
         match *phase {
             Phase::Rendering => {
-                *phase = Phase::Stopping;
+                *phase = Phase::Stopping(Instant::now());
                 super::tell(
                     "\ninterrupted: the pass under way is finished and saved; \
                      interrupt again to stop at once",
                 );
             }
-            Phase::Stopping => std::process::exit(ENDED_AT_ONCE),
-            Phase::Saving => {}
+            Phase::Stopping(since) if since.elapsed() >= ONE_WISH => {
+                std::process::exit(ENDED_AT_ONCE)
+            }
+            Phase::Stopping(_) | Phase::Saving => {}
         }
     }
 

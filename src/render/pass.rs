@@ -177,7 +177,8 @@ impl<'a> Renderer<'a> {
     /// more than the memory budget holds.
     fn photon_paths(&self) -> u64 {
         let wanted = self.settings.photons.unwrap_or_else(|| {
-            let pixels = u64::from(self.crop[2]) * u64::from(self.crop[3]);
+            // Those of the whole picture, so that a crop is a window of it.
+            let pixels = u64::from(self.resolution[0]) * u64::from(self.resolution[1]);
             let most = (PHOTONS_PER_PIXEL * pixels)
                 .next_power_of_two()
                 .clamp(1 << 14, 1 << 23);
@@ -203,12 +204,12 @@ impl<'a> Renderer<'a> {
         let map = PhotonMap::new(&shot.photons, shot.emitted);
         let gather = self.gatherer(Some(&map), 0);
         let camera = Sequence::new(self.settings.seed, Purpose::Pilot, 3, 0);
-        let [x0, y0, width, height] = self.crop.map(f64::from);
+        let [width, height] = self.resolution.map(f64::from);
         let mut tally = CameraTally::default();
         for i in 0..PILOT_SAMPLES {
             let mut stream = camera.at(u64::from(i));
             let [u, v] = stream.next_2d();
-            let film = DVec2::new(x0 + u * width, y0 + v * height);
+            let film = DVec2::new(u * width, v * height);
             gather.sample(self.camera.ray(film), &mut stream, &mut tally);
         }
         tally.visited as f64 / f64::from(PILOT_SAMPLES)
