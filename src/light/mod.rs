@@ -106,6 +106,16 @@ impl Light {
         }
     }
 
+    /// Whether the light is seen under a solid angle, so that its shadows are
+    /// soft and samples of it differ.
+    pub fn has_extent(&self) -> bool {
+        match self {
+            Self::Point(_) | Self::Spot(_) | Self::Beam(_) => false,
+            Self::Sun(l) => l.sin_half > 0.0,
+            Self::Sphere(_) | Self::Quad(_) | Self::Disc(_) => true,
+        }
+    }
+
     /// Radiance emitted from the light's surface into a direction at `cos_out`
     /// to the surface's normal. Black for lights that are not shapes.
     pub fn surface_radiance(&self, cos_out: f64) -> Rgb {

@@ -24,8 +24,13 @@ const SPLITS: u32 = 1;
 /// First stream coordinate of a split's side path.
 const SIDE_PATH: u32 = 24;
 
-/// Shadow rays at the first diffuse surface and at later ones.
-const SHADOW_RAYS: [u32; 2] = [8, 1];
+/// Shadow rays at the first diffuse surface: at least the first number, and
+/// one to each light up to the second; fewer on a path that carries less. More
+/// cost as much as they gain, but where penumbras fill the picture.
+const SHADOW_RAYS: [usize; 2] = [2, 8];
+
+/// Shadow rays at later diffuse surfaces.
+const LATER_SHADOW_RAYS: u32 = 1;
 
 /// Growth of a path's footprint after a diffuse bounce, in metres per metre:
 /// the bounce averages over a wide cone, so the caustic seen there may be
@@ -101,17 +106,24 @@ impl Gather<'_> {
             } => {
                 let at = DiffusePoint::new(point, walker.ray.dir, reflectance);
                 let width = self.footprint.width + self.footprint.spread * walker.length;
-                let direct = direct_light(&self.ctx, &at, stream, SHADOW_RAYS[0]);
+                let strength = walker.throughput.max().min(1.0);
+                let [least, most] = SHADOW_RAYS;
+                let rays = self.ctx.scene.lights.len().clamp(least, most) as f64;
+                let rays = (rays * strength).ceil() as u32;
+                let direct = direct_light(&self.ctx, &at, stream, rays);
                 sample[Layer::Direct] += walker.throughput * direct;
                 let [caustic, bounced] = self.gathered(&at, width, stream, tally);
                 sample[Layer::Caustic] += walker.throughput * caustic;
                 if self.ctx.plan.indirect {
                     sample[Layer::Indirect] += walker.throughput * bounced;
-                    let path = Walker {
-                        throughput: walker.throughput * reflectance,
-                        ..*walker
-                    };
-                    sample[Layer::Indirect] += self.indirect(path, at, stream, tally);
+                    // A path that carries little goes on as seldom.
+                    if stream.next_1d() < strength {
+                        let path = Walker {
+                            throughput: walker.throughput * reflectance / strength,
+                            ..*walker
+                        };
+                        sample[Layer::Indirect] += self.indirect(path, at, stream, tally);
+                    }
                 }
             }
             End::Surface { point, .. } => {
@@ -181,7 +193,7 @@ impl Gather<'_> {
             width += DIFFUSE_SPREAD * (path.length - before);
             at = DiffusePoint::new(point, path.ray.dir, reflectance);
             let [caustic, bounced] = self.gathered(&at, width, stream, tally);
-            let mut found = direct_light(&self.ctx, &at, stream, SHADOW_RAYS[1]) + bounced;
+            let mut found = direct_light(&self.ctx, &at, stream, LATER_SHADOW_RAYS) + bounced;
             // Seen through glass or a mirror, a caustic has been counted as
             // photons that bounced there.
             if !path.bent {

@@ -27,7 +27,7 @@ pub struct Settings {
 impl Default for Settings {
     fn default() -> Self {
         Self {
-            passes: 64,
+            passes: 128,
             seed: 0,
             photons: None,
             radius: 2.0,

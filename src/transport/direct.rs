@@ -75,14 +75,21 @@ impl LightPicker {
 }
 
 /// Reflected radiance of the light that arrives straight from the sources,
-/// with at most `rays` shadow rays: one for each light if that is enough,
-/// otherwise to lights picked by power.
+/// with about `rays` shadow rays, at least one: they are shared among the
+/// lights where there are few, and go to lights picked by power where there
+/// are many. Lights without extent need only one ray each.
 pub fn direct_light(ctx: &Context<'_>, at: &DiffusePoint, stream: &mut Stream, rays: u32) -> Rgb {
     let lights = ctx.scene.lights.len();
     let mut sum = Rgb::BLACK;
     if lights <= rays as usize {
-        for i in 0..lights {
-            sum += from_light(ctx, at, i, stream.next_2d());
+        let share = rays / lights.max(1) as u32;
+        for (i, light) in ctx.scene.lights.iter().enumerate() {
+            let count = if light.light.has_extent() { share } else { 1 };
+            let mut one = Rgb::BLACK;
+            for _ in 0..count {
+                one += from_light(ctx, at, i, stream.next_2d());
+            }
+            sum += one / f64::from(count);
         }
     } else if let Some(table) = &ctx.picker.by_power {
         let u = stream.next_1d();
