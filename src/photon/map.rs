@@ -53,8 +53,8 @@ pub struct Gathered {
     /// Irradiance in W/m2 by light that came from its source through specular
     /// steps alone.
     pub irradiance: Rgb,
-    /// Irradiance in W/m2 by light that a diffuse surface reflected before its
-    /// last specular steps.
+    /// Irradiance in W/m2 by light of which a diffuse surface had made such a
+    /// caustic before it reflected it here.
     pub bounced: Rgb,
     /// Photons looked at: the work done.
     pub visited: u32,

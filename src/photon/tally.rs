@@ -32,8 +32,7 @@ pub struct LightTally {
     pub shading_change: f64,
     /// Flux stored in the map.
     pub stored: f64,
-    /// Flux that landed unbent since its launch or its reflection: the shadow
-    /// rays' and the camera paths' share.
+    /// Flux that landed without having been bent: the shadow rays' share.
     pub direct: f64,
     /// Flux absorbed by mirrors, black surfaces and bodies of lights.
     pub absorbed: f64,

@@ -2,9 +2,9 @@
 //!
 //! Photons are stored where they arrive at a finite lobe after being bent. A
 //! path that is stored goes on once: reflected there, it is stored a second
-//! time if it is bent again before the next finite lobe. That second kind is
-//! light between diffuse surfaces which a camera path would have to find by
-//! chance through glass or a mirror, the caustic as a small bright lamp.
+//! time at the next finite lobe. That second kind is light between diffuse
+//! surfaces which a camera path would have to find by chance: a focus is a
+//! small bright lamp.
 
 use glam::DVec3;
 
@@ -80,19 +80,23 @@ pub fn trace(
             bent |= lobe.bent;
             (lobe.dir, survival(flux, emission.flux))
         } else {
-            let Some(landed) = land(&material, &point, ray.dir, flux, bent, tally) else {
+            let Some(landed) = land(&material, &point, ray.dir, flux, bent || bounced, tally)
+            else {
                 return;
             };
             store(Photon { bounced, ..landed });
-            if bounced || !ctx.plan.indirect || depth == ctx.max_depth {
-                return;
-            }
             let Material::Diffuse { reflectance } = material else {
                 return;
             };
+            if bounced || !ctx.plan.indirect {
+                return;
+            }
             flux = landed.flux * reflectance;
             tally.reflected += flux.mean();
-            (bent, bounced) = (false, true);
+            if depth == ctx.max_depth {
+                break;
+            }
+            bounced = true;
             let local = warp::cosine_hemisphere(stream.next_2d());
             let direction = Frame::around(landed.normal).to_world(local).normalize();
             (direction, reflectance.max())
@@ -131,7 +135,8 @@ fn survival(flux: Rgb, launched: Rgb) -> f64 {
     }
 }
 
-/// What a photon leaves at a surface that is not specular. On a smooth-shaded
+/// What a photon leaves at a surface that is not specular, if its light is
+/// `owned` by the map: otherwise shadow rays bring it. On a smooth-shaded
 /// surface its flux is weighted so that the density of photons stands for the
 /// irradiance about the shading normal (Veach 1997, section 5.3).
 fn land(
@@ -139,14 +144,14 @@ fn land(
     point: &SurfacePoint,
     d: DVec3,
     flux: Rgb,
-    bent: bool,
+    owned: bool,
     tally: &mut LightTally,
 ) -> Option<Photon> {
     if !material.is_finite() {
         tally.absorbed += flux.mean();
         return None;
     }
-    if !bent {
+    if !owned {
         tally.direct += flux.mean();
         return None;
     }

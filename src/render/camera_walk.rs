@@ -176,7 +176,6 @@ impl Gather<'_> {
             };
             let before = path.length;
             path.ray = at.point.spawn(dir);
-            path.bent = false;
             let end = path.walk(&self.ctx, stream, 0, &mut |_, _| {});
             let (point, reflectance) = match end {
                 End::Surface {
@@ -192,13 +191,10 @@ impl Gather<'_> {
             };
             width += DIFFUSE_SPREAD * (path.length - before);
             at = DiffusePoint::new(point, path.ray.dir, reflectance);
-            let [caustic, bounced] = self.gathered(&at, width, stream, tally);
-            let mut found = direct_light(&self.ctx, &at, stream, LATER_SHADOW_RAYS) + bounced;
-            // Seen through glass or a mirror, a caustic has been counted as
-            // photons that bounced there.
-            if !path.bent {
-                found += caustic;
-            }
+            // The caustic itself, as light for the surface before, has come
+            // there as photons that bounced here.
+            let [_, bounced] = self.gathered(&at, width, stream, tally);
+            let found = direct_light(&self.ctx, &at, stream, LATER_SHADOW_RAYS) + bounced;
             sum += path.throughput * found;
             path.throughput *= reflectance;
             bounces += 1;

@@ -37,8 +37,6 @@ pub struct Walker {
     pub length: f64,
     /// Surface interactions so far.
     pub depth: u32,
-    /// Whether the path was bent since its start or its last diffuse surface.
-    pub bent: bool,
 }
 
 impl Walker {
@@ -49,7 +47,6 @@ impl Walker {
             throughput: Rgb::WHITE,
             length: 0.0,
             depth: 0,
-            bent: false,
         }
     }
 
@@ -84,7 +81,6 @@ impl Walker {
                     let mut other = *self;
                     other.throughput *= side.weight * side.share;
                     other.ray = point.spawn(side.dir);
-                    other.bent |= side.bent;
                     branch(other, splits);
                     self.throughput *= main.share;
                     main
@@ -92,7 +88,6 @@ impl Walker {
                 lobes => lobes.choose(|| stream.next_1d()),
             };
             self.throughput *= lobe.weight;
-            self.bent |= lobe.bent;
             if self.throughput.is_black() {
                 return End::Escaped;
             }
