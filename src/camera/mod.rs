@@ -127,11 +127,6 @@ impl Camera {
             },
         }
     }
-
-    /// Position of the eye, or of the film's centre for parallel rays.
-    pub fn eye(&self) -> DVec3 {
-        self.eye
-    }
 }
 
 /// The width of a pixel's beam along its ray.

@@ -15,5 +15,5 @@ pub mod trig;
 pub use bounds::{U, gamma};
 pub use exact::ExactSum;
 pub use frame::Frame;
-pub use products::{difference_of_products, sum_of_products, two_product, two_sum};
+pub use products::{difference_of_products, two_product, two_sum};
 pub use quadratic::{Roots, quadratic};

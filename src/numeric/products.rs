@@ -48,12 +48,6 @@ pub fn difference_of_products(a: f64, b: f64, c: f64, d: f64) -> f64 {
     if r.is_finite() { r } else { a * b - c * d }
 }
 
-/// `a b + c d`, compensated like [`difference_of_products`].
-#[inline]
-pub fn sum_of_products(a: f64, b: f64, c: f64, d: f64) -> f64 {
-    difference_of_products(a, b, -c, d)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -27,16 +27,6 @@ pub fn refract(d: DVec3, n: DVec3, eta: f64, cos_t: f64) -> DVec3 {
     (d * r + n * (r * -d.dot(n) - cos_t)).normalize()
 }
 
-/// Cosine of the critical angle of incidence: an interface with `eta < 1`
-/// reflects totally at and below it. Zero for `eta >= 1`, which never does.
-pub fn critical_cosine(eta: f64) -> f64 {
-    if eta < 1.0 {
-        ((1.0 - eta) * (1.0 + eta)).sqrt()
-    } else {
-        0.0
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -104,7 +94,7 @@ mod tests {
     #[test]
     fn critical_angle_decides() {
         for eta in [1.0 / 1.33, 1.0 / 1.5, 0.1] {
-            let c = critical_cosine(eta);
+            let c = ((1.0 - eta) * (1.0f64 + eta)).sqrt();
             // sin(theta_c) = eta.
             assert!((trig::asin(eta) - trig::acos(c)).abs() < 1e-15);
             assert_eq!(fresnel(c * (1.0 - 1e-15), eta), Interface::Total);

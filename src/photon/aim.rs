@@ -74,11 +74,6 @@ impl Aim {
         }
     }
 
-    /// Number of parts; zero if the light reaches no caster.
-    pub fn parts(&self) -> usize {
-        self.targets.len()
-    }
-
     /// A start and its flux: emission over the density of the mixture.
     pub(super) fn sample(
         &self,

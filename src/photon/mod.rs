@@ -5,8 +5,9 @@
 //! with its flux; [`trace`] follows it (a pure function); [`shoot`] runs
 //! fixed chunks in parallel and puts the photons in path order; [`PhotonMap`]
 //! builds the tree (the only file that knows the kd-tree crate) and answers
-//! density queries, which [`gather`] asks with regard to the walls around. Flux is in W and already divided by every probability;
-//! division by the number of emitted paths happens once, in the estimate.
+//! density queries, which [`gather`] asks with regard to the walls around. Flux
+//! is in W and already divided by every probability; division by the number of
+//! emitted paths happens once, in the estimate.
 
 mod aim;
 mod domain;

@@ -33,8 +33,8 @@ const SHADOW_RAYS: [usize; 2] = [2, 8];
 const LATER_SHADOW_RAYS: u32 = 1;
 
 /// Growth of a path's footprint after a diffuse bounce, in metres per metre:
-/// the bounce averages over a wide cone, so the caustic seen there may be
-/// blurred over a small part of it.
+/// the bounce averages over a wide cone, so the photons' light seen there may
+/// be blurred over a small part of it.
 const DIFFUSE_SPREAD: f64 = 0.01;
 
 /// Bounces between diffuse surfaces before the roulette may end a path.

@@ -233,7 +233,9 @@ impl Cylinder {
         let reach = 2.0 * self.radius + self.length;
         BoundingSphere {
             center,
-            radius: self.radius.hypot(half) + 2.0 * self.error_of(reach, center),
+            // Not by `hypot`, whose last bit depends on the platform.
+            radius: (self.radius * self.radius + half * half).sqrt() * (1.0 + gamma(3))
+                + 2.0 * self.error_of(reach, center),
         }
     }
 }

@@ -178,15 +178,6 @@ impl Shape {
             Self::Plane(_) | Self::Quad(_) | Self::Disc(_) | Self::Triangle(_) => false,
         }
     }
-
-    /// True if the shape lies in one plane by its kind: no ray that leaves
-    /// it can meet it again.
-    pub fn is_flat(&self) -> bool {
-        matches!(
-            self,
-            Self::Plane(_) | Self::Quad(_) | Self::Disc(_) | Self::Triangle(_)
-        )
-    }
 }
 
 /// The ray parameter at which a ray crosses the plane through `point`, if it
