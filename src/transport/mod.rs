@@ -8,11 +8,13 @@
 //! photon map's. *Bent* is the word for that here: passing a thin pane or an
 //! index-matched surface in a straight line does not bend.
 
+pub mod differential;
 pub mod direct;
 pub mod shadow;
 pub mod specular;
 pub mod walk;
 
+pub use differential::{Differential, Pair};
 pub use direct::{DiffusePoint, LightPicker, direct_light};
 pub use shadow::transmittance;
 pub use specular::{Carried, Lobe, Lobes, lobes};
