@@ -6,7 +6,7 @@ use crate::{
     geometry::Ray,
     sampling::{Discrete, Purpose, Sequence, Stream},
     spectrum::Rgb,
-    transport::Context,
+    transport::{Context, Differential},
 };
 
 use super::Aim;
@@ -25,6 +25,8 @@ pub struct Emission {
     pub flux: Rgb,
     /// Index of the light.
     pub light: u32,
+    /// Derivatives of the ray by the coordinates from which it was drawn.
+    pub differential: Differential,
 }
 
 /// Launches photons from all lights of a scene.
@@ -67,6 +69,7 @@ impl Emitter {
             ray,
             flux: flux / self.choice.probability(light),
             light: light as u32,
+            differential: Differential::new(),
         }
     }
 

@@ -12,6 +12,7 @@
 mod aim;
 mod domain;
 mod emit;
+mod footprint;
 mod gather;
 mod map;
 mod shoot;
@@ -20,8 +21,9 @@ mod trace;
 
 pub use aim::Aim;
 pub use emit::{Emission, Emitter};
-pub use gather::gather;
-pub use map::{BYTES_PER_PHOTON, Gathered, PhotonMap};
+pub use footprint::Footprint;
+pub use gather::{Kernels, gather};
+pub use map::{BYTES_PER_PHOTON, Ellipse, Gathered, PhotonMap, Query};
 pub use shoot::{Shot, shoot};
 pub use tally::{LightTally, Tally};
 pub use trace::{PHOTONS_PER_PATH, Photon, trace};

@@ -10,7 +10,7 @@ use crate::{
     geometry::Ray,
     material::Material,
     numeric::Frame,
-    photon::{PhotonMap, gather},
+    photon::{Kernels, PhotonMap, gather},
     sampling::{Stream, warp},
     spectrum::Rgb,
     transport::{Context, DiffusePoint, End, Walker, direct_light},
@@ -32,6 +32,14 @@ const SHADOW_RAYS: [usize; 2] = [2, 8];
 /// Shadow rays at later diffuse surfaces.
 const LATER_SHADOW_RAYS: u32 = 1;
 
+/// Smallest and largest semi-axes of kernels over the round's scale: narrower
+/// ones than the camera resolves bring only noise, in wider ones the
+/// derivatives no longer hold. Light that was reflected after it was a caustic
+/// varies slowly and is rare.
+const LEAST: f64 = 0.125;
+const MOST: f64 = 12.5;
+const MOST_BOUNCED: f64 = 30.0;
+
 /// Growth of a path's footprint after a diffuse bounce, in metres per metre:
 /// the bounce averages over a wide cone, so the photons' light seen there may
 /// be blurred over a small part of it.
@@ -46,7 +54,7 @@ pub(super) struct Gather<'a> {
     pub(super) ctx: Context<'a>,
     /// The pass's photons; `None` where no caustics are simulated.
     pub(super) map: Option<&'a PhotonMap>,
-    /// Kernel radius in footprints.
+    /// Kernel scale of the round in footprints.
     pub(super) scale: f64,
     pub(super) footprint: Footprint,
 }
@@ -57,6 +65,7 @@ pub(super) struct CameraTally {
     pub(super) truncated: u64,
     pub(super) queries: u64,
     pub(super) visited: u64,
+    pub(super) accepted: u64,
 }
 
 impl Gather<'_> {
@@ -112,7 +121,7 @@ impl Gather<'_> {
                 let rays = (rays * strength).ceil() as u32;
                 let direct = direct_light(&self.ctx, &at, stream, rays);
                 sample[Layer::Direct] += walker.throughput * direct;
-                let [caustic, bounced] = self.gathered(&at, width, stream, tally);
+                let [caustic, bounced] = self.gathered(&at, width, true, stream, tally);
                 sample[Layer::Caustic] += walker.throughput * caustic;
                 if self.ctx.plan.indirect {
                     sample[Layer::Indirect] += walker.throughput * bounced;
@@ -145,15 +154,25 @@ impl Gather<'_> {
         &self,
         at: &DiffusePoint,
         width: f64,
+        caustics: bool,
         stream: &mut Stream,
         tally: &mut CameraTally,
     ) -> [Rgb; 2] {
         let Some(map) = self.map else {
             return [Rgb::BLACK; 2];
         };
-        let found = gather(&self.ctx, map, at, self.scale * width, stream.next_1d());
+        let unit = self.scale * width;
+        let kernels = Kernels {
+            least: LEAST * unit,
+            most: MOST * unit,
+            most_bounced: MOST_BOUNCED * unit,
+            blind: unit,
+            caustics,
+        };
+        let found = gather(&self.ctx, map, at, &kernels, stream.next_1d());
         tally.queries += 1;
         tally.visited += u64::from(found.visited);
+        tally.accepted += u64::from(found.accepted);
         [found.irradiance, found.bounced].map(|e| at.reflectance * e * FRAC_1_PI)
     }
 
@@ -193,7 +212,7 @@ impl Gather<'_> {
             at = DiffusePoint::new(point, path.ray.dir, reflectance);
             // The caustic itself, as light for the surface before, has come
             // there as photons that bounced here.
-            let [_, bounced] = self.gathered(&at, width, stream, tally);
+            let [_, bounced] = self.gathered(&at, width, false, stream, tally);
             let found = direct_light(&self.ctx, &at, stream, LATER_SHADOW_RAYS) + bounced;
             sum += path.throughput * found;
             path.throughput *= reflectance;

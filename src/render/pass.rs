@@ -28,6 +28,10 @@ const PIXELS_PER_PHOTON: u64 = 2;
 /// concentrated, fewer photons a pass do, and more passes follow.
 const VISITS_PER_SAMPLE: f64 = 32.0;
 
+/// Kernel scale of the first round, in pixel footprints, at which photons have
+/// kernels of their own footprint's size.
+const NATURAL_SCALE: f64 = 2.0;
+
 /// Photon paths and camera samples of the pilot that counts those visits.
 const PILOT_PHOTONS: u64 = 1 << 14;
 const PILOT_SAMPLES: u32 = 1 << 10;
@@ -63,8 +67,10 @@ pub struct PassOutput {
     pub truncated: u64,
     /// Questions asked of the photon map.
     pub queries: u64,
-    /// Photons looked at to answer them.
+    /// Candidates looked at to answer them.
     pub visited: u64,
+    /// Photons whose kernels reached the point asked for.
+    pub accepted: u64,
 }
 
 impl<'a> Renderer<'a> {
@@ -137,7 +143,7 @@ impl<'a> Renderer<'a> {
     pub fn pass(&self, index: u32) -> PassOutput {
         let (round, replicate) = (index / REPLICATES, index % REPLICATES);
         let shot = self.shoot(round, replicate);
-        let map = (shot.emitted > 0).then(|| PhotonMap::new(&shot.photons, shot.emitted));
+        let map = (shot.emitted > 0).then(|| self.map(&shot, round));
         let stored = shot.photons.len() as u64;
         drop(shot.photons);
         let gather = self.gatherer(map.as_ref(), round);
@@ -151,7 +157,17 @@ impl<'a> Renderer<'a> {
             truncated: camera.truncated,
             queries: camera.queries,
             visited: camera.visited,
+            accepted: camera.accepted,
         }
+    }
+
+    /// The map of a round's photons.
+    pub fn map(&self, shot: &Shot, round: u32) -> PhotonMap {
+        PhotonMap::new(
+            &shot.photons,
+            shot.emitted,
+            self.schedule.scale(round) / NATURAL_SCALE,
+        )
     }
 
     /// The photon half of a pass.
@@ -201,7 +217,7 @@ impl<'a> Renderer<'a> {
         };
         let photons = Sequence::new(self.settings.seed, Purpose::Pilot, 2, 0);
         let shot = shoot(&self.context(), emitter, photons, 0, PILOT_PHOTONS);
-        let map = PhotonMap::new(&shot.photons, shot.emitted);
+        let map = self.map(&shot, 0);
         let gather = self.gatherer(Some(&map), 0);
         let camera = Sequence::new(self.settings.seed, Purpose::Pilot, 3, 0);
         let [width, height] = self.resolution.map(f64::from);
@@ -261,6 +277,7 @@ impl<'a> Renderer<'a> {
             tally.truncated += t.truncated;
             tally.queries += t.queries;
             tally.visited += t.visited;
+            tally.accepted += t.accepted;
         }
         (samples, tally)
     }
