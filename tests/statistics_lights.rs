@@ -368,7 +368,8 @@ fn aimed_light_is_the_light_that_arrives() {
         };
         let aimed = emissions(text, balls, 81, DRAWS);
         let everywhere = emissions(text, ENDLESS, 82, 50 * DRAWS);
-        let weights: Vec<f64> = count(&everywhere).iter().map(|c| *c as f64).collect();
+        // Half a count more: a cell that stayed empty is rare, not impossible.
+        let weights: Vec<f64> = count(&everywhere).iter().map(|c| *c as f64 + 0.5).collect();
         assert_follows(&count(&aimed), &weights, text);
         let arriving = |emissions: &[(Emission, f64)]| {
             let flux =

@@ -30,6 +30,14 @@ impl DiscLight {
         self.center + frame.s * p.x + frame.t * p.y
     }
 
+    /// Derivatives of [`point`](Self::point) by `u`.
+    pub fn point_derivatives(&self, u: [f64; 2]) -> [DVec3; 2] {
+        let frame = Frame::around(self.normal);
+        warp::disc_mapped(u)
+            .by
+            .map(|d| (frame.s * d.x + frame.t * d.y) * self.radius)
+    }
+
     pub(super) fn sample_direct(&self, p: DVec3, u: [f64; 2]) -> Option<DirectSample> {
         let area = PI * self.radius * self.radius;
         DirectSample::to_point(p, self.point(u), |wi, d2| {

@@ -59,6 +59,17 @@ impl Sun {
         (dir, self.radiance() / warp::cone_pdf(q))
     }
 
+    /// Derivatives of the direction of [`sample_travel`](Self::sample_travel)
+    /// by `u`; zero for an ideal parallel light.
+    pub fn travel_derivatives(&self, u: [f64; 2]) -> [DVec3; 2] {
+        if self.sin_half == 0.0 {
+            return [DVec3::ZERO; 2];
+        }
+        let q = warp::one_minus_cos(self.sin_half);
+        let frame = Frame::around(self.axis);
+        warp::cone_mapped(u, q).0.by.map(|d| frame.to_world(d))
+    }
+
     pub(super) fn sample_direct(&self, u: [f64; 2]) -> Option<DirectSample> {
         let (dir, weight) = self.sample_travel(u);
         (!weight.is_black()).then_some(DirectSample {

@@ -5,15 +5,17 @@ use glam::DVec3;
 use crate::{
     geometry::{BoundingSphere, Ray, SurfaceId},
     light::Light,
+    numeric::U,
     sampling::{Discrete, Sequence},
     spectrum::Rgb,
-    transport::Context,
+    transport::{Context, Differential},
 };
 
 use super::domain::{self, Start, Target};
 
 /// Largest number of parts a light's domain is divided into; more casters are
-/// grouped. A start asks every part for its density, so this bounds the work.
+/// grouped. A start may ask every part whether it lies there, so this bounds
+/// the work.
 const MAX_TARGETS: usize = 16;
 
 /// Samples with which the power sent towards each part is estimated.
@@ -21,9 +23,11 @@ const PILOT: u64 = 256;
 
 /// One light's emission, restricted to where casters are.
 ///
-/// A mixture of parts of the light's domain, one for each caster (or group):
-/// a start is drawn from one of them and weighted by the density of all, so
-/// overlapping bounds count once and the result is unbiased.
+/// The light's domain has a part for each caster (or group), and parts may
+/// overlap. A start is drawn from one of them and counts only if no earlier
+/// part contains it, so every start counts once, with the density of the part
+/// from which it came alone: neighbours of a photon are as far apart as the
+/// derivatives of its sample say.
 #[derive(Clone, Debug)]
 pub struct Aim {
     light: Light,
@@ -34,26 +38,21 @@ pub struct Aim {
     power: f64,
 }
 
+/// The start of a photon from one light.
+pub(super) struct Launch {
+    pub(super) ray: Ray,
+    /// Emission over density; black if the start does not count.
+    pub(super) flux: Rgb,
+    pub(super) differential: Differential,
+}
+
 impl Aim {
     /// Aims light number `index` of the scene at the casters of the plan.
     pub(super) fn new(ctx: &Context<'_>, index: usize, pilot: Sequence) -> Self {
         let named = &ctx.scene.lights[index];
         let targets = targets(ctx, &named.light);
-        let powers: Vec<f64> = targets
-            .iter()
-            .map(|t| {
-                let (mut sum, mut measure) = (0.0, 0.0);
-                for i in 0..PILOT {
-                    let mut s = pilot.at(i);
-                    let start = domain::draw(&named.light, *t, s.next_2d(), s.next_2d());
-                    sum += (start.emission / start.own_density).mean();
-                    measure += 1.0 / start.own_density;
-                }
-                // As if one more sample had met the light's full strength:
-                // a sliver that the pilot missed must not lose its photons.
-                let unseen = domain::strength(&named.light) * measure / PILOT as f64;
-                (sum + unseen) / (PILOT + 1) as f64
-            })
+        let powers: Vec<f64> = (0..targets.len())
+            .map(|k| power_towards(&named.light, &targets, k, pilot))
             .collect();
         Self {
             light: named.light.clone(),
@@ -64,8 +63,7 @@ impl Aim {
         }
     }
 
-    /// Estimated power sent towards casters, in W, on the safe side; parts
-    /// that overlap count twice.
+    /// Estimated power sent towards casters, in W, on the safe side.
     pub fn power_estimate(&self) -> f64 {
         if self.choice.is_some() {
             self.power
@@ -74,32 +72,48 @@ impl Aim {
         }
     }
 
-    /// A start and its flux: emission over the density of the mixture.
+    /// A start with its flux and derivatives. `u` chooses the part.
     pub(super) fn sample(
         &self,
         ctx: &Context<'_>,
         u: f64,
         dir: [f64; 2],
         point: [f64; 2],
-    ) -> (Ray, Rgb) {
+    ) -> Launch {
         let Some(choice) = &self.choice else {
-            return (Ray::new(DVec3::ZERO, DVec3::Z), Rgb::BLACK);
+            return Launch {
+                ray: Ray::new(DVec3::ZERO, DVec3::Z),
+                flux: Rgb::BLACK,
+                differential: Differential::new(),
+            };
         };
         let (k, _) = choice.sample(u);
-        let start = domain::draw(&self.light, self.targets[k], dir, point);
-        let mut density = choice.probability(k) * start.own_density;
-        for (i, target) in self.targets.iter().enumerate() {
-            if i != k {
-                density += choice.probability(i) * domain::density(&self.light, *target, &start);
+        let chance = choice.probability(k);
+        let mut start = domain::draw(&self.light, self.targets[k], dir, point);
+        let counts = belongs(&self.light, &self.targets[..k], &start);
+        let mut shaded = false;
+        if let Light::Sun(_) = self.light {
+            if let Some(bounds) = ctx.scene.world.bounds() {
+                // Start before everything that is bounded.
+                start = start.before(&bounds.bounding_sphere());
             }
+            shaded = counts && behind_a_plane(ctx, &start);
         }
-        let flux = start.emission / density;
-        let ray = self.ray(ctx, &start);
-        let shaded = matches!(self.light, Light::Sun(_)) && behind_a_plane(ctx, &ray);
-        if flux.is_finite() && !shaded {
-            (ray, flux)
-        } else {
-            (ray, Rgb::BLACK)
+        let flux = start.emission / (chance * start.own_density);
+        let mut differential = start.differential;
+        differential.chance = chance;
+        Launch {
+            ray: Ray {
+                origin: start.origin,
+                dir: start.dir,
+                leaving: self.body.map(|instance| SurfaceId { instance, part: 0 }),
+            },
+            flux: if counts && !shaded && flux.is_finite() {
+                flux
+            } else {
+                Rgb::BLACK
+            },
+            differential,
         }
     }
 
@@ -112,14 +126,10 @@ impl Aim {
         for i in 0..samples {
             let mut s = sequence.at(i);
             let start = domain::draw(&self.light, Target::Whole, s.next_2d(), s.next_2d());
-            let aimed = self
-                .targets
-                .iter()
-                .any(|t| domain::density(&self.light, *t, &start) > 0.0);
-            let x = if aimed {
-                0.0
-            } else {
+            let x = if belongs(&self.light, &self.targets, &start) {
                 (start.emission / start.own_density).mean()
+            } else {
+                0.0
             };
             sum += x;
             squares += x * x;
@@ -128,32 +138,40 @@ impl Aim {
         let mean = sum / n;
         Some((mean, ((squares / n - mean * mean).max(0.0) / n).sqrt()))
     }
-
-    fn ray(&self, ctx: &Context<'_>, start: &Start) -> Ray {
-        let leaving = self.body.map(|instance| SurfaceId { instance, part: 0 });
-        let mut ray = Ray {
-            origin: start.origin,
-            dir: start.dir,
-            leaving,
-        };
-        if let (Light::Sun(_), Some(bounds)) = (&self.light, ctx.scene.world.bounds()) {
-            // Start before everything that is bounded.
-            let all = bounds.bounding_sphere();
-            let along = (start.origin - all.center).dot(start.dir);
-            ray.origin = start.origin - start.dir * (along + 2.0 * all.radius);
-        }
-        ray
-    }
 }
 
-/// Whether something unbounded lies between a ray's start and infinity behind
-/// it; bounded things never do, since the sun's rays start before them.
-fn behind_a_plane(ctx: &Context<'_>, ray: &Ray) -> bool {
-    let back = Ray::new(ray.origin, -ray.dir);
+/// Whether a start lies in none of the parts.
+fn belongs(light: &Light, earlier: &[Target], start: &Start) -> bool {
+    !earlier.iter().any(|t| domain::contains(light, *t, start))
+}
+
+/// Estimated power in W of the starts of part `k` that count.
+fn power_towards(light: &Light, targets: &[Target], k: usize, pilot: Sequence) -> f64 {
+    let (mut sum, mut measure) = (0.0, 0.0);
+    for i in 0..PILOT {
+        let mut s = pilot.at(i);
+        let start = domain::draw(light, targets[k], s.next_2d(), s.next_2d());
+        if belongs(light, &targets[..k], &start) {
+            sum += (start.emission / start.own_density).mean();
+        }
+        measure += 1.0 / start.own_density;
+    }
+    // As if one more sample had met the light's full strength: a sliver that
+    // the pilot missed must not lose its photons.
+    let unseen = domain::strength(light) * measure / PILOT as f64;
+    (sum + unseen) / (PILOT + 1) as f64
+}
+
+/// Whether something unbounded lies between a start and infinity behind it;
+/// bounded things never do, since the sun's photons start before them.
+fn behind_a_plane(ctx: &Context<'_>, start: &Start) -> bool {
+    let back = Ray::new(start.origin, -start.dir);
     ctx.scene.world.occluded(&back, f64::INFINITY, |_| false)
 }
 
-/// The parts of a light's domain from which casters can be reached.
+/// The parts of a light's domain from which casters can be reached, in the
+/// order in which they claim their starts: the small ones, which know best
+/// where their caster is, before those around them.
 fn targets(ctx: &Context<'_>, light: &Light) -> Vec<Target> {
     let mut spheres = Vec::new();
     let mut unbounded = false;
@@ -164,12 +182,26 @@ fn targets(ctx: &Context<'_>, light: &Light) -> Vec<Target> {
             None => unbounded = true,
         }
     }
-    let mut out = Vec::new();
+    let mut out: Vec<Target> = outermost(grouped(spheres))
+        .into_iter()
+        .map(Target::Sphere)
+        .collect();
     if unbounded && !matches!(light, Light::Sun(_)) {
         out.push(Target::Whole);
     }
-    out.extend(grouped(spheres).into_iter().map(Target::Sphere));
     out
+}
+
+/// The spheres by size, without those that lie inside another.
+fn outermost(mut spheres: Vec<BoundingSphere>) -> Vec<BoundingSphere> {
+    spheres.sort_by(|a, b| a.radius.total_cmp(&b.radius));
+    let inside = |s: &BoundingSphere, larger: &BoundingSphere| {
+        s.center.distance(larger.center) + s.radius <= larger.radius
+    };
+    (0..spheres.len())
+        .filter(|&i| !spheres[i + 1..].iter().any(|l| inside(&spheres[i], l)))
+        .map(|i| spheres[i])
+        .collect()
 }
 
 /// At most [`MAX_TARGETS`] spheres that cover the given ones: halved by
@@ -212,6 +244,39 @@ fn cover(group: &[BoundingSphere]) -> Option<BoundingSphere> {
         .fold(0.0, f64::max);
     Some(BoundingSphere {
         center,
-        radius: radius * (1.0 + 8.0 * crate::numeric::U),
+        radius: radius * (1.0 + 8.0 * U),
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Ten balls in a row, each with a smaller one inside it, and a twin: the
+    /// large ones remain, once each, the smallest first.
+    #[test]
+    fn balls_inside_others_are_no_targets() {
+        let ball = |x: f64, radius| BoundingSphere {
+            center: DVec3::new(x, 0.0, 0.0),
+            radius,
+        };
+        let mut spheres = Vec::new();
+        for i in (0..10).rev() {
+            let x = f64::from(i);
+            let radius = 0.5 + 0.1 * x;
+            spheres.extend([
+                ball(4.0 * x, radius),
+                ball(4.0 * x + 0.2, radius - 0.25),
+                ball(4.0 * x, radius),
+            ]);
+        }
+        let left = outermost(spheres);
+        let expected: Vec<_> = (0..10)
+            .map(f64::from)
+            .map(|x| ball(4.0 * x, 0.5 + 0.1 * x))
+            .collect();
+        assert_eq!(left, expected);
+        // One that only reaches out of another stays.
+        assert_eq!(outermost(vec![ball(0.0, 1.0), ball(0.8, 0.3)]).len(), 2);
+    }
 }

@@ -6,25 +6,31 @@
 //! cross-section for parallel light. Densities and emission are given in the
 //! same measure (solid angle; area times solid angle; perpendicular area), so
 //! that their quotient is a flux in W.
+//!
+//! With a start come its derivatives by the sample from which it was drawn:
+//! the first pair of coordinates is the direction (for parallel light, the
+//! point of the cross-section), the second one the point on the light (for the
+//! sun, the direction within its disc). Lights without extent have one pair.
 
-use std::f64::consts::TAU;
+mod region;
+#[cfg(test)]
+mod tests;
 
 use glam::DVec3;
 
 use crate::{
-    geometry::BoundingSphere, light::Light, numeric::Frame, sampling::warp, spectrum::Rgb,
+    geometry::BoundingSphere,
+    light::{Beam, Light, SpotLight, Sun},
+    numeric::Frame,
+    sampling::warp,
+    spectrum::Rgb,
+    transport::{Differential, Pair},
 };
 
 use super::emit::disc_area;
+use region::{Cone, Section, UNBOUNDED, aimed, cap, cap_area, density, directions};
 
-/// A part of a light's domain.
-#[derive(Clone, Copy, Debug)]
-pub(super) enum Target {
-    /// What can reach a sphere around casters.
-    Sphere(BoundingSphere),
-    /// All of it.
-    Whole,
-}
+pub(super) use region::{Target, contains, reaches};
 
 /// A point of an emission domain.
 #[derive(Clone, Copy, Debug)]
@@ -39,113 +45,71 @@ pub(super) struct Start {
     normal: DVec3,
     /// Density of the part from which the start was drawn.
     pub(super) own_density: f64,
+    /// Derivatives of origin and direction by the sample. Not finite where the
+    /// density is infinite or the sample lies on a rim.
+    pub(super) differential: Differential,
 }
 
-/// `1 - cos` of the half-angle of a sphere seen from `p`, with the direction
-/// to its centre; `None` inside.
-fn cone_to(sphere: &BoundingSphere, p: DVec3) -> Option<(DVec3, f64)> {
-    let to = sphere.center - p;
-    let d = to.length();
-    (d > sphere.radius).then(|| (to / d, warp::one_minus_cos(sphere.radius / d)))
-}
-
-/// Whether the unit vector `dir` lies within `1 - cos <= q` of `axis`.
-fn in_cone(dir: DVec3, axis: DVec3, q: f64) -> bool {
-    0.5 * (dir - axis).length_squared() <= q
+impl Start {
+    /// The start moved back along its line, to where parallel light has met
+    /// nothing of what lies in the sphere.
+    pub(super) fn before(mut self, all: &BoundingSphere) -> Self {
+        let f = self.origin - all.center;
+        let back = f.dot(self.dir) + 2.0 * all.radius;
+        for pair in self.differential.pairs_mut() {
+            for (dp, dd) in pair.dp.iter_mut().zip(pair.dd) {
+                let further = dp.dot(self.dir) + f.dot(dd);
+                *dp -= dd * back + self.dir * further;
+            }
+        }
+        self.origin -= self.dir * back;
+        self
+    }
 }
 
 /// Draws a start from the part of the domain that `target` names.
 pub(super) fn draw(light: &Light, target: Target, dir: [f64; 2], point: [f64; 2]) -> Start {
     match light {
-        Light::Point(l) => from_point(l.position, whole_sphere(), target, dir, |_| l.intensity),
-        Light::Spot(l) => {
-            let cone = (l.axis, 1.0 - l.cos_outer);
-            from_point(l.position, cone, target, dir, |w| l.intensity_along(w))
-        }
+        Light::Point(l) => from_point(l.position, Cone::WHOLE, target, dir, |_| l.intensity),
+        Light::Spot(l) => from_point(l.position, own_cone(l), target, dir, |w| {
+            l.intensity_along(w)
+        }),
         Light::Sphere(l) => {
-            let (axis, q) = cap(l.center, l.radius, target);
-            let normal = Frame::around(axis).to_world(warp::cone(point, q));
-            let area = TAU * l.radius * l.radius * q;
-            from_surface(
-                l.center + normal * l.radius,
+            let cap = cap(l.center, l.radius, target);
+            let frame = Frame::around(cap.axis);
+            let local = warp::cone_mapped(point, cap.q).0;
+            let normal = frame.to_world(local.at);
+            let place = Place {
+                origin: l.center + normal * l.radius,
+                moves: local.by.map(|d| frame.to_world(d) * l.radius),
                 normal,
-                area,
-                l.radiance,
-                target,
-                dir,
-            )
-        }
-        Light::Quad(l) => from_surface(
-            l.point(point),
-            l.normal(),
-            l.area(),
-            l.radiance,
-            target,
-            dir,
-        ),
-        Light::Disc(l) => from_surface(
-            l.point(point),
-            l.normal,
-            disc_area(l.radius),
-            l.radiance,
-            target,
-            dir,
-        ),
-        Light::Beam(l) => {
-            let (center, radius) = section(target, l.center, l.axis, l.radius);
-            let offset = warp::disc(dir) * radius;
-            let frame = Frame::around(l.axis);
-            let origin = center + frame.s * offset.x + frame.t * offset.y;
-            let across = (origin - l.center).length_squared();
-            let emission = if across <= l.radius * l.radius {
-                l.irradiance
-            } else {
-                Rgb::BLACK
+                turns: local.by.map(|d| frame.to_world(d)),
+                area: cap_area(l.radius, &cap),
             };
-            parallel(origin, l.axis, emission, radius)
+            from_surface(&place, l.radiance, target, dir)
         }
-        Light::Sun(l) => {
-            let (travel, emission) = l.sample_travel(point);
-            // Without a bounded target there is no cross-section to draw from.
-            let (center, radius) = section(target, DVec3::ZERO, travel, 0.0);
-            let offset = warp::disc(dir) * radius;
-            let frame = Frame::around(travel);
-            parallel(
-                center + frame.s * offset.x + frame.t * offset.y,
-                travel,
-                emission,
-                radius,
-            )
+        Light::Quad(l) => {
+            let place = Place {
+                origin: l.point(point),
+                moves: [l.u, l.v],
+                normal: l.normal(),
+                turns: [DVec3::ZERO; 2],
+                area: l.area(),
+            };
+            from_surface(&place, l.radiance, target, dir)
         }
-    }
-}
-
-/// Density with which `draw` from `target` would give the start of another
-/// part.
-pub(super) fn density(light: &Light, target: Target, start: &Start) -> f64 {
-    match light {
-        Light::Point(l) => direction_density(l.position, whole_sphere(), target, start.dir),
-        Light::Spot(l) => {
-            direction_density(l.position, (l.axis, 1.0 - l.cos_outer), target, start.dir)
+        Light::Disc(l) => {
+            let place = Place {
+                origin: l.point(point),
+                moves: l.point_derivatives(point),
+                normal: l.normal,
+                turns: [DVec3::ZERO; 2],
+                area: disc_area(l.radius),
+            };
+            from_surface(&place, l.radiance, target, dir)
         }
-        Light::Sphere(l) => {
-            let (axis, q) = cap(l.center, l.radius, target);
-            if in_cone(start.normal, axis, q) {
-                surface_density(start, TAU * l.radius * l.radius * q, target)
-            } else {
-                0.0
-            }
-        }
-        Light::Quad(l) => surface_density(start, l.area(), target),
-        Light::Disc(l) => surface_density(start, disc_area(l.radius), target),
-        Light::Beam(l) => {
-            let (center, radius) = section(target, l.center, l.axis, l.radius);
-            section_density(center, radius, start)
-        }
-        Light::Sun(_) => {
-            let (center, radius) = section(target, DVec3::ZERO, start.dir, 0.0);
-            section_density(center, radius, start)
-        }
+        Light::Beam(l) => from_beam(l, target, dir),
+        Light::Sun(l) => from_sun(l, target, dir, point),
     }
 }
 
@@ -163,172 +127,162 @@ pub(super) fn strength(light: &Light) -> f64 {
     .mean()
 }
 
-/// Whether any light from this source can reach the sphere.
-pub(super) fn reaches(light: &Light, sphere: &BoundingSphere) -> bool {
-    let beyond = |p: DVec3, n: DVec3| (sphere.center - p).dot(n) > -sphere.radius;
-    match light {
-        Light::Point(_) | Light::Sphere(_) | Light::Sun(_) => true,
-        Light::Spot(l) => match cone_to(sphere, l.position) {
-            None => true,
-            // Angles add: apart by more than both half-angles.
-            Some((axis, q)) => {
-                let apart = crate::numeric::trig::acos(axis.dot(l.axis).clamp(-1.0, 1.0));
-                let reach = |c: f64| crate::numeric::trig::acos(c.clamp(-1.0, 1.0));
-                apart <= reach(1.0 - q) + reach(l.cos_outer)
-            }
-        },
-        Light::Quad(l) => beyond(l.corner, l.normal()),
-        Light::Disc(l) => beyond(l.center, l.normal),
-        Light::Beam(l) => {
-            let f = sphere.center - l.center;
-            let across = (f - l.axis * f.dot(l.axis)).length();
-            beyond(l.center, l.axis) && across <= sphere.radius + l.radius
-        }
+/// The cone into which a spot shines.
+fn own_cone(light: &SpotLight) -> Cone {
+    Cone {
+        axis: light.axis,
+        q: 1.0 - light.cos_outer,
     }
 }
 
-fn whole_sphere() -> (DVec3, f64) {
-    (DVec3::Z, 2.0)
-}
-
-/// The cone of directions from `p` for a target, within the light's own cone
-/// where that is narrower.
-fn directions(p: DVec3, own: (DVec3, f64), target: Target) -> (DVec3, f64) {
-    match target {
-        Target::Sphere(s) => cone_to(&s, p).filter(|c| c.1 < own.1).unwrap_or(own),
-        Target::Whole => own,
+/// The cross-section of a beam.
+fn own_section(light: &Beam) -> Section {
+    Section {
+        center: light.center,
+        radius: light.radius,
     }
 }
 
 fn from_point(
     p: DVec3,
-    own: (DVec3, f64),
+    own: Cone,
     target: Target,
     u: [f64; 2],
     intensity: impl Fn(DVec3) -> Rgb,
 ) -> Start {
-    let (axis, q) = directions(p, own, target);
-    let dir = Frame::around(axis).to_world(warp::cone(u, q)).normalize();
-    let emission = intensity(dir);
+    let cone = directions(p, own, target);
+    let frame = Frame::around(cone.axis);
+    let local = warp::cone_mapped(u, cone.q).0;
+    let dir = frame.to_world(local.at).normalize();
+    let mut differential = Differential::new();
+    differential.push(Pair {
+        dp: [DVec3::ZERO; 2],
+        dd: local.by.map(|d| frame.to_world(d)),
+    });
     Start {
         origin: p,
         dir,
-        emission,
+        emission: intensity(dir),
         normal: dir,
-        own_density: warp::cone_pdf(q),
+        own_density: density(&cone),
+        differential,
     }
 }
 
-fn direction_density(p: DVec3, own: (DVec3, f64), target: Target, dir: DVec3) -> f64 {
-    let (axis, q) = directions(p, own, target);
-    if in_cone(dir, axis, q) {
-        warp::cone_pdf(q)
-    } else {
-        0.0
-    }
-}
-
-/// The part of a glowing sphere that can see the target: a cap, as axis and
-/// `1 - cos`.
-fn cap(center: DVec3, radius: f64, target: Target) -> (DVec3, f64) {
-    let Target::Sphere(s) = target else {
-        return whole_sphere();
-    };
-    let to = s.center - center;
-    let d = to.length();
-    // A point at angle a from the axis sees the sphere over its own horizon
-    // iff d cos a > radius - s.radius.
-    let cos = (radius - s.radius) / d;
-    if d > 0.0 && cos > -1.0 {
-        (to / d, 1.0 - cos.min(1.0))
-    } else {
-        whole_sphere()
-    }
-}
-
-fn from_surface(
+/// A point of a glowing shape.
+struct Place {
     origin: DVec3,
+    /// Derivatives of the origin.
+    moves: [DVec3; 2],
     normal: DVec3,
+    /// Derivatives of the normal.
+    turns: [DVec3; 2],
+    /// Area over which such points are uniform.
     area: f64,
-    radiance: Rgb,
-    target: Target,
-    u: [f64; 2],
-) -> Start {
-    let (dir, pdf) = match target {
-        Target::Sphere(s) if cone_to(&s, origin).is_some_and(|c| c.1 > 0.0) => {
-            let (axis, q) = cone_to(&s, origin).unwrap_or(whole_sphere());
-            (
-                Frame::around(axis).to_world(warp::cone(u, q)).normalize(),
-                warp::cone_pdf(q),
-            )
-        }
-        _ => {
-            let local = warp::cosine_hemisphere(u);
-            (
-                Frame::around(normal).to_world(local).normalize(),
-                warp::cosine_hemisphere_pdf(local.z),
-            )
-        }
-    };
-    let emission = radiance * normal.dot(dir).max(0.0);
-    Start {
-        origin,
-        dir,
-        emission,
-        normal,
-        own_density: pdf / area,
-    }
 }
 
-fn surface_density(start: &Start, area: f64, target: Target) -> f64 {
-    let cone = match target {
-        Target::Sphere(s) => cone_to(&s, start.origin).filter(|c| c.1 > 0.0),
-        Target::Whole => None,
-    };
-    let pdf = match cone {
-        Some((axis, q)) if in_cone(start.dir, axis, q) => warp::cone_pdf(q),
-        Some(_) => 0.0,
-        None => warp::cosine_hemisphere_pdf(start.normal.dot(start.dir)),
-    };
-    pdf / area
-}
-
-/// The disc through which parallel light along `axis` can reach a target,
-/// within the light's own disc where that is smaller. `own` radius 0 means
-/// that the light has none.
-fn section(target: Target, own_center: DVec3, axis: DVec3, own: f64) -> (DVec3, f64) {
-    match target {
-        Target::Sphere(s) if own == 0.0 || s.radius < own => {
-            let along = (s.center - own_center).dot(axis);
-            (s.center - axis * along, s.radius)
-        }
-        _ => (own_center, own),
-    }
-}
-
-fn parallel(origin: DVec3, dir: DVec3, emission: Rgb, radius: f64) -> Start {
-    let own_density = 1.0 / disc_area(radius);
-    // A disc of no area emits nothing.
-    let emission = if own_density.is_finite() {
-        emission
+/// A direction from a place: towards the target, or by Lambert's law.
+fn from_surface(at: &Place, radiance: Rgb, target: Target, u: [f64; 2]) -> Start {
+    let (dir, pdf, dirs, point_dirs);
+    if let Some((sphere, cone)) = aimed(at.origin, target) {
+        let (local, by_q) = warp::cone_mapped(u, cone.q);
+        let frame = Frame::around(cone.axis);
+        dir = frame.to_world(local.at).normalize();
+        pdf = density(&cone);
+        dirs = local.by.map(|d| frame.to_world(d));
+        // The cone turns and widens as the point moves.
+        point_dirs = at.moves.map(|dp| {
+            let change = cone.change(&sphere, at.origin, dp);
+            frame.change(change.axis).to_world(local.at) + frame.to_world(by_q * change.q)
+        });
     } else {
-        Rgb::BLACK
-    };
+        let local = warp::cosine_hemisphere_mapped(u);
+        let frame = Frame::around(at.normal);
+        dir = frame.to_world(local.at).normalize();
+        pdf = warp::cosine_hemisphere_pdf(local.at.z);
+        dirs = local.by.map(|d| frame.to_world(d));
+        point_dirs = at.turns.map(|dn| frame.change(dn).to_world(local.at));
+    }
+    let mut differential = Differential::new();
+    differential.push(Pair {
+        dp: [DVec3::ZERO; 2],
+        dd: dirs,
+    });
+    differential.push(Pair {
+        dp: at.moves,
+        dd: point_dirs,
+    });
     Start {
-        origin,
+        origin: at.origin,
         dir,
-        emission,
+        emission: radiance * at.normal.dot(dir).max(0.0),
+        normal: at.normal,
+        own_density: pdf / at.area,
+        differential,
+    }
+}
+
+fn from_beam(light: &Beam, target: Target, u: [f64; 2]) -> Start {
+    let section = Section::of(target, light.axis, own_section(light));
+    let mut start = across(&section, light.axis, light.irradiance, u);
+    let off = (start.origin - light.center).length_squared();
+    if off > light.radius * light.radius {
+        start.emission = Rgb::BLACK;
+    }
+    start
+}
+
+fn from_sun(light: &Sun, target: Target, u: [f64; 2], point: [f64; 2]) -> Start {
+    let (travel, emission) = light.sample_travel(point);
+    // Without a bounded target there is no cross-section to draw from.
+    let section = Section::of(target, travel, UNBOUNDED);
+    let mut start = across(&section, travel, emission, u);
+    if light.sin_half > 0.0 {
+        let frame = Frame::around(travel);
+        let f = start.origin - section.center;
+        let (x, y) = (f.dot(frame.s), f.dot(frame.t));
+        let turns = light.travel_derivatives(point);
+        let center = match target {
+            Target::Sphere(s) => s.center - UNBOUNDED.center,
+            Target::Whole => DVec3::ZERO,
+        };
+        start.differential.push(Pair {
+            // The section's centre is that of the target, less its part along
+            // the direction of travel.
+            dp: turns.map(|dt| {
+                let change = frame.change(dt);
+                change.s * x + change.t * y - dt * center.dot(travel) - travel * center.dot(dt)
+            }),
+            dd: turns,
+        });
+    }
+    start
+}
+
+/// A point of the cross-section of parallel light.
+fn across(section: &Section, dir: DVec3, emission: Rgb, u: [f64; 2]) -> Start {
+    let disc = warp::disc_mapped(u);
+    let frame = Frame::around(dir);
+    let offset = disc.at * section.radius;
+    let own_density = 1.0 / disc_area(section.radius);
+    let mut differential = Differential::new();
+    differential.push(Pair {
+        dp: disc
+            .by
+            .map(|d| (frame.s * d.x + frame.t * d.y) * section.radius),
+        dd: [DVec3::ZERO; 2],
+    });
+    Start {
+        origin: section.center + frame.s * offset.x + frame.t * offset.y,
+        dir,
+        // A disc of no area emits nothing.
+        emission: if own_density.is_finite() {
+            emission
+        } else {
+            Rgb::BLACK
+        },
         normal: dir,
         own_density,
-    }
-}
-
-fn section_density(center: DVec3, radius: f64, start: &Start) -> f64 {
-    let f = start.origin - center;
-    let across = (f - start.dir * f.dot(start.dir)).length_squared();
-    if across <= radius * radius {
-        1.0 / disc_area(radius)
-    } else {
-        0.0
+        differential,
     }
 }

@@ -25,7 +25,8 @@ pub struct Emission {
     pub flux: Rgb,
     /// Index of the light.
     pub light: u32,
-    /// Derivatives of the ray by the coordinates from which it was drawn.
+    /// Derivatives of the ray by the sample of direction and point, and the
+    /// probability of light and target. May not be finite on a rim.
     pub differential: Differential,
 }
 
@@ -64,12 +65,15 @@ impl Emitter {
         let point = stream.next_2d();
         let (light, _) = self.choice.sample(stream.next_1d());
         let target = stream.next_1d();
-        let (ray, flux) = self.aims[light].sample(ctx, target, direction, point);
+        let launch = self.aims[light].sample(ctx, target, direction, point);
+        let chance = self.choice.probability(light);
+        let mut differential = launch.differential;
+        differential.chance *= chance;
         Emission {
-            ray,
-            flux: flux / self.choice.probability(light),
+            ray: launch.ray,
+            flux: launch.flux / chance,
             light: light as u32,
-            differential: Differential::new(),
+            differential,
         }
     }
 

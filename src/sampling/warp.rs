@@ -1,4 +1,9 @@
-//! Maps from the unit square to directions and points, with their pdfs.
+//! Maps from the unit square to directions and points, with their pdfs and
+//! their derivatives.
+//!
+//! The derivatives are those of the maps as they are computed. They jump where
+//! the concentric map folds, on the diagonals of the square, and they may be
+//! infinite at its border, where a rim is reached at a right angle.
 
 use std::f64::consts::{FRAC_1_PI, FRAC_PI_4, TAU};
 
@@ -6,31 +11,68 @@ use glam::{DVec2, DVec3};
 
 use crate::numeric::trig;
 
+/// A mapped point and its derivatives by the two coordinates of the square.
+#[derive(Clone, Copy, Debug)]
+pub struct Mapped<T> {
+    /// The point.
+    pub at: T,
+    /// Its derivatives.
+    pub by: [T; 2],
+}
+
 /// A point of the unit disc, uniform; the concentric map keeps strata
 /// together (Shirley and Chiu, JGT 2(3), 1997). Pdf per area: 1/pi.
 #[inline]
 pub fn disc(u: [f64; 2]) -> DVec2 {
+    disc_mapped(u).at
+}
+
+/// [`disc`] with its derivatives.
+#[inline]
+pub fn disc_mapped(u: [f64; 2]) -> Mapped<DVec2> {
     let (a, b) = (2.0 * u[0] - 1.0, 2.0 * u[1] - 1.0);
-    if a == 0.0 && b == 0.0 {
-        return DVec2::ZERO;
-    }
-    let (r, phi) = if a.abs() > b.abs() {
-        (a, FRAC_PI_4 * (b / a))
+    // The radius is the coordinate of larger magnitude, the angle within a
+    // sector is the ratio of the two.
+    let wide = a.abs() > b.abs();
+    let (r, ratio) = if wide {
+        (a, b / a)
+    } else if b == 0.0 {
+        // The centre: the derivatives are those of one of the sectors.
+        (0.0, 0.0)
     } else {
-        (b, 2.0 * FRAC_PI_4 - FRAC_PI_4 * (a / b))
+        (b, a / b)
     };
+    let turn = FRAC_PI_4 * ratio;
+    let phi = if wide { turn } else { 2.0 * FRAC_PI_4 - turn };
     let (sin, cos) = trig::sin_cos(phi);
-    DVec2::new(r * cos, r * sin)
+    let (out, round) = (DVec2::new(cos, sin), DVec2::new(-sin, cos));
+    // r d(phi): pi/4 (db - ratio da), and with the roles changed its negative.
+    // The factor 2 is that of a and b.
+    let by = if wide {
+        [(out - round * turn) * 2.0, round * (2.0 * FRAC_PI_4)]
+    } else {
+        [round * (-2.0 * FRAC_PI_4), (out + round * turn) * 2.0]
+    };
+    Mapped { at: out * r, by }
 }
 
 /// A direction around +z with density proportional to its cosine. Pdf per
 /// solid angle: [`cosine_hemisphere_pdf`].
 #[inline]
 pub fn cosine_hemisphere(u: [f64; 2]) -> DVec3 {
-    let p = disc(u);
-    let r2 = p.length_squared();
+    cosine_hemisphere_mapped(u).at
+}
+
+/// [`cosine_hemisphere`] with its derivatives.
+#[inline]
+pub fn cosine_hemisphere_mapped(u: [f64; 2]) -> Mapped<DVec3> {
+    let p = disc_mapped(u);
     // 1 - r^2 may round below zero at the rim.
-    DVec3::new(p.x, p.y, (1.0 - r2).max(0.0).sqrt())
+    let z = (1.0 - p.at.length_squared()).max(0.0).sqrt();
+    Mapped {
+        at: p.at.extend(z),
+        by: p.by.map(|d| d.extend(-p.at.dot(d) / z)),
+    }
 }
 
 /// Pdf per solid angle of [`cosine_hemisphere`] at the given cosine.
@@ -57,19 +99,117 @@ pub fn one_minus_cos(sin: f64) -> f64 {
 /// `1 - cos = q`, `0 <= q <= 2`. Pdf per solid angle: [`cone_pdf`].
 #[inline]
 pub fn cone(u: [f64; 2], q: f64) -> DVec3 {
+    cone_mapped(u, q).0.at
+}
+
+/// [`cone`] with its derivatives by `u`, and its derivative by `q`.
+#[inline]
+pub fn cone_mapped(u: [f64; 2], q: f64) -> (Mapped<DVec3>, DVec3) {
     // The concentric disc keeps strata; r^2 is uniform, so w = q r^2 is the
     // uniform height below the pole.
-    let p = disc(u);
-    let r2 = p.length_squared();
+    let p = disc_mapped(u);
+    let r2 = p.at.length_squared();
     let w = q * r2;
-    let cos = 1.0 - w;
+    let rest = (2.0 - w).max(0.0);
     // sin^2 = w (2 - w); scaled so that (x, y) = p sin / r without a division.
-    let k = (q * (2.0 - w).max(0.0)).sqrt();
-    DVec3::new(p.x * k, p.y * k, cos)
+    let k = (q * rest).sqrt();
+    // k^2 = q (2 - q r^2), so 2 k dk = (rest - w) dq - q^2 d(r^2).
+    let by = p.by.map(|d| {
+        let dr2 = 2.0 * p.at.dot(d);
+        let dk = -0.5 * q * q * dr2 / k;
+        (d * k + p.at * dk).extend(-q * dr2)
+    });
+    let by_q = (p.at * (0.5 * (rest - w) / k)).extend(-r2);
+    let at = (p.at * k).extend(1.0 - w);
+    (Mapped { at, by }, by_q)
 }
 
 /// Pdf per solid angle of [`cone`]; infinite for `q = 0`.
 #[inline]
 pub fn cone_pdf(q: f64) -> f64 {
     1.0 / (TAU * q)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::sampling::{Purpose, Sequence};
+
+    /// Squares away from the folds of the concentric map and from the border.
+    fn points() -> impl Iterator<Item = [f64; 2]> {
+        let sequence = Sequence::new(1, Purpose::Pilot, 0, 0);
+        (0..400).filter_map(move |i| {
+            let u = sequence.at(i).next_2d();
+            let [a, b] = u.map(|x| 2.0 * x - 1.0);
+            let smooth = (a.abs() - b.abs()).abs() > 1e-3 && a.abs().max(b.abs()) < 0.97;
+            smooth.then_some(u)
+        })
+    }
+
+    /// Central differences of `f`, of step 1e-5: their error is the third
+    /// derivative over 6e10, below 1e-6 away from the border.
+    fn assert_derivatives(f: impl Fn([f64; 2]) -> Mapped<DVec3>, what: &str) {
+        const H: f64 = 1e-5;
+        for u in points() {
+            let by = f(u).by;
+            for j in 0..2 {
+                let moved = |h: f64| {
+                    let mut v = u;
+                    v[j] += h;
+                    f(v).at
+                };
+                let expected = (moved(H) - moved(-H)) / (2.0 * H);
+                let off = (by[j] - expected).length();
+                assert!(off < 1e-5, "{what} at {u:?}: {} off by {off:e}", by[j]);
+            }
+        }
+    }
+
+    #[test]
+    fn derivatives_are_those_of_the_maps() {
+        let flat = |u| {
+            let d = disc_mapped(u);
+            Mapped {
+                at: d.at.extend(0.0),
+                by: d.by.map(|v| v.extend(0.0)),
+            }
+        };
+        assert_derivatives(flat, "disc");
+        assert_derivatives(cosine_hemisphere_mapped, "hemisphere");
+        for q in [1e-6, 0.1, 1.0, 1.9, 2.0] {
+            assert_derivatives(|u| cone_mapped(u, q).0, "cone");
+            let size = |u: [f64; 2]| {
+                let (m, by_q) = cone_mapped(u, q);
+                let h = 1e-5 * q;
+                let low = (q - h, cone_mapped(u, q - h).0.at);
+                let high = (q, m.at);
+                let expected = (high.1 - low.1) / (high.0 - low.0);
+                (by_q - expected).length() / (1.0 + by_q.length())
+            };
+            // A one-sided difference, for 2 is the largest cone.
+            for u in points() {
+                assert!(size(u) < 1e-3, "cone by its size at {u:?}: {}", size(u));
+            }
+        }
+    }
+
+    /// The area of the image of a cell is one over the pdf.
+    #[test]
+    fn areas_are_inverse_densities() {
+        for u in points() {
+            let d = disc_mapped(u).by;
+            let area = d[0].perp_dot(d[1]).abs();
+            assert!((area / std::f64::consts::PI - 1.0).abs() < 1e-12, "disc");
+            for q in [1e-9, 0.1, 1.9] {
+                let c = cone_mapped(u, q).0.by;
+                let area = c[0].cross(c[1]).length() * cone_pdf(q);
+                assert!((area - 1.0).abs() < 1e-10, "cone {q}: {area}");
+            }
+            let h = cosine_hemisphere_mapped(u);
+            let area = h.by[0].cross(h.by[1]).length() * cosine_hemisphere_pdf(h.at.z);
+            assert!((area - 1.0).abs() < 1e-10, "hemisphere: {area}");
+        }
+        let d = disc_mapped([0.5; 2]).by;
+        assert_eq!(d[0].perp_dot(d[1]).abs(), std::f64::consts::PI, "centre");
+    }
 }
