@@ -59,6 +59,10 @@ impl Instance {
     }
 }
 
+/// Up to this many bounded instances are tested one after the other: entering
+/// a tree and walking its root costs about as much as five tests.
+const FEW: usize = 6;
+
 /// All instances, and the tree over those that are bounded.
 #[derive(Clone, Debug)]
 pub struct World {
@@ -66,7 +70,8 @@ pub struct World {
     bvh: Bvh,
     /// The instance in each slot of the tree.
     slots: Vec<u32>,
-    unbounded: Vec<u32>,
+    /// The instances that are not in the tree and tested against every ray.
+    apart: Vec<u32>,
     boxes: Vec<Option<Aabb>>,
     spheres: Vec<Option<BoundingSphere>>,
 }
@@ -76,22 +81,22 @@ impl World {
     pub fn new(instances: Vec<Instance>) -> Self {
         let boxes: Vec<_> = instances.iter().map(Instance::bounds).collect();
         let spheres = instances.iter().map(Instance::bounding_sphere).collect();
-        let bounded: Vec<(u32, Aabb)> = (0..)
-            .zip(&boxes)
-            .filter_map(|(i, b)| b.map(|b| (i, b)))
-            .collect();
-        let unbounded = (0..)
-            .zip(&boxes)
-            .filter(|(_, b)| b.is_none())
-            .map(|(i, _)| i)
-            .collect();
+        let mut apart = Vec::new();
+        let mut bounded: Vec<(u32, Aabb)> = Vec::new();
+        let few = boxes.iter().flatten().count() <= FEW;
+        for (i, b) in (0..).zip(&boxes) {
+            match b {
+                Some(b) if !few => bounded.push((i, *b)),
+                _ => apart.push(i),
+            }
+        }
         let (bvh, order) = Bvh::build(bounded.len(), 1, |i| bounded[i].1);
         let slots = order.into_iter().map(|i| bounded[i as usize].0).collect();
         Self {
             instances,
             bvh,
             slots,
-            unbounded,
+            apart,
             boxes,
             spheres,
         }
@@ -114,7 +119,7 @@ impl World {
             });
             t
         };
-        let t = self.unbounded.iter().fold(t_max, |t, &i| test(i, t));
+        let t = self.apart.iter().fold(t_max, |t, &i| test(i, t));
         self.bvh.closest(ray.origin, ray.dir, t, |slots, t| {
             self.slots[slots].iter().fold(t, |t, &i| test(i, t))
         });
@@ -126,7 +131,7 @@ impl World {
     pub fn occluded(&self, ray: &Ray, t_max: f64, ignore: impl Fn(u32) -> bool) -> bool {
         let blocks =
             |&i: &u32| !ignore(i) && self.instance(i).occludes(ray, t_max, leaving_part(ray, i));
-        self.unbounded.iter().any(blocks)
+        self.apart.iter().any(blocks)
             || self.bvh.any(ray.origin, ray.dir, t_max, |slots| {
                 self.slots[slots].iter().any(blocks)
             })
@@ -188,7 +193,7 @@ impl World {
         self.spheres[instance as usize]
     }
 
-    /// The tree over bounded instances.
+    /// The tree over bounded instances; empty if they are few.
     pub(super) fn bvh(&self) -> &Bvh {
         &self.bvh
     }
@@ -199,8 +204,8 @@ impl World {
     }
 
     /// The instances that are not in the tree.
-    pub(super) fn unbounded(&self) -> &[u32] {
-        &self.unbounded
+    pub(super) fn apart(&self) -> &[u32] {
+        &self.apart
     }
 
     #[inline]
