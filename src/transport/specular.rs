@@ -66,6 +66,7 @@ impl Lobes {
 
 /// The lobes of a specular material at `point` for light or sight travelling
 /// in unit direction `d`. `None` if the material is not specular.
+#[inline]
 pub fn lobes(
     material: &Material,
     point: &SurfacePoint,
@@ -88,6 +89,7 @@ pub fn lobes(
 
 /// The geometric and the shading normal on the side from which `d` comes. A
 /// shading normal that faces away from `d` is replaced by the geometric one.
+#[inline]
 fn facing(point: &SurfacePoint, d: DVec3) -> (DVec3, DVec3) {
     let (ng, ns) = if point.ng.dot(d) > 0.0 {
         (-point.ng, -point.ns)
@@ -99,6 +101,7 @@ fn facing(point: &SurfacePoint, d: DVec3) -> (DVec3, DVec3) {
 
 /// Veach's factor for a light path that arrives along `d` and leaves along
 /// `w`: `|cos(in, ns) cos(out, ng)| / |cos(in, ng) cos(out, ns)|`.
+#[inline]
 fn shading_factor(ng: DVec3, ns: DVec3, d: DVec3, w: DVec3, carried: Carried) -> f64 {
     if carried == Carried::Radiance || ng == ns {
         return 1.0;
@@ -108,6 +111,7 @@ fn shading_factor(ng: DVec3, ns: DVec3, d: DVec3, w: DVec3, carried: Carried) ->
     if factor.is_finite() { factor } else { 0.0 }
 }
 
+#[inline]
 fn straight(d: DVec3, share: f64) -> Lobe {
     Lobe {
         dir: d,
@@ -120,6 +124,7 @@ fn straight(d: DVec3, share: f64) -> Lobe {
 
 /// A reflected lobe; where the shading normal would send it into the surface,
 /// the geometric normal decides, so that no light is lost at silhouettes.
+#[inline]
 fn reflected(ng: DVec3, ns: DVec3, d: DVec3, carried: Carried) -> Lobe {
     let w = optics::reflect(d, ns);
     let (w, shading) = if w.dot(ng) > 0.0 {
@@ -136,6 +141,7 @@ fn reflected(ng: DVec3, ns: DVec3, d: DVec3, carried: Carried) -> Lobe {
     }
 }
 
+#[inline]
 fn mirror(point: &SurfacePoint, d: DVec3, reflectance: Rgb, carried: Carried) -> Lobe {
     let (ng, ns) = facing(point, d);
     let lobe = reflected(ng, ns, d, carried);
@@ -166,6 +172,7 @@ fn pane(point: &SurfacePoint, d: DVec3, ior: f64) -> Lobes {
     )
 }
 
+#[inline]
 fn interface(point: &SurfacePoint, d: DVec3, ior: f64, carried: Carried) -> Lobes {
     let (ng, mut ns) = facing(point, d);
     let eta = if point.ng.dot(d) < 0.0 {

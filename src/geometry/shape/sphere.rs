@@ -57,13 +57,19 @@ impl Sphere {
             // sum of both.
             return accept(-2.0 * h / a);
         }
-        let (near, far) = crossings(
-            a,
-            h,
-            (from - dir * (h / a)).length(),
-            from.length(),
-            self.radius,
-        )?;
+        // Most rays miss, which squares can tell. They are compared with more
+        // than their rounding, so that what is left out would be left out
+        // below: outside and leaving, or passing by.
+        let beyond = self.radius * self.radius * (1.0 + gamma(8));
+        let start = from.length_squared();
+        if h > 0.0 && start > beyond {
+            return None;
+        }
+        let closest = (from - dir * (h / a)).length_squared();
+        if closest > beyond {
+            return None;
+        }
+        let (near, far) = crossings(a, h, closest.sqrt(), start.sqrt(), self.radius)?;
         accept(near).or_else(|| accept(far))
     }
 
