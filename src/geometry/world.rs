@@ -107,18 +107,33 @@ impl World {
     }
 
     /// The nearest hit with `0 < t < t_max` metres.
+    #[allow(
+        clippy::inline_always,
+        reason = "a ray just made is still in registers: from memory it would have to be \
+                  read by halves, as it was written"
+    )]
+    #[inline(always)]
     pub fn closest(&self, ray: &Ray, t_max: f64) -> Option<Hit> {
         let mut best = None;
         let mut t = t_max;
         for &i in &self.apart {
             t = self.nearer(i, ray, t, &mut best);
         }
-        if !self.slots.is_empty() {
-            self.bvh.closest(ray.origin, ray.dir, t, |slots, t| {
-                let test = |t, &i: &u32| self.nearer(i, ray, t, &mut best);
-                self.slots[slots].iter().fold(t, test)
-            });
+        if self.slots.is_empty() {
+            best
+        } else {
+            self.closest_in_tree(ray, t, best)
         }
+    }
+
+    /// The nearest hit on an instance in the tree with `0 < t < t_max`, or
+    /// else `best`.
+    #[inline(never)]
+    fn closest_in_tree(&self, ray: &Ray, t_max: f64, mut best: Option<Hit>) -> Option<Hit> {
+        self.bvh.closest(ray.origin, ray.dir, t_max, |slots, t| {
+            let test = |t, &i: &u32| self.nearer(i, ray, t, &mut best);
+            self.slots[slots].iter().fold(t, test)
+        });
         best
     }
 

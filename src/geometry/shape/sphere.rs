@@ -40,7 +40,8 @@ impl Sphere {
     }
 
     /// See [`Shape::intersect`](super::Shape::intersect).
-    #[inline]
+    #[allow(clippy::inline_always, reason = "as there")]
+    #[inline(always)]
     pub fn intersect(
         &self,
         origin: DVec3,
