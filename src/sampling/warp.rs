@@ -17,10 +17,10 @@ pub fn disc(u: [f64; 2]) -> DVec2 {
     // The angle from the nearer axis, at most an eighth of a turn: sine and
     // cosine need no reduction there.
     if a.abs() > b.abs() {
-        let (sin, cos) = trig::sin_cos(FRAC_PI_4 * (b / a));
+        let (sin, cos) = trig::sin_cos_octant(FRAC_PI_4 * (b / a));
         DVec2::new(a * cos, a * sin)
     } else {
-        let (sin, cos) = trig::sin_cos(FRAC_PI_4 * (a / b));
+        let (sin, cos) = trig::sin_cos_octant(FRAC_PI_4 * (a / b));
         DVec2::new(b * sin, b * cos)
     }
 }
