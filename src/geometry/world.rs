@@ -64,8 +64,8 @@ impl Instance {
 }
 
 /// Up to this many bounded instances are tested one after the other: entering
-/// a tree and walking its root costs about as much as five tests.
-const FEW: usize = 6;
+/// a tree and walking its root costs about as much as eight tests.
+const FEW: usize = 10;
 
 /// All instances, and the tree over those that are bounded.
 #[derive(Clone, Debug)]
