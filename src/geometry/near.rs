@@ -30,7 +30,7 @@ impl World {
                 found.push(i);
             }
         };
-        self.unbounded().iter().copied().for_each(&mut ask);
+        self.apart().iter().copied().for_each(&mut ask);
         self.bvh().near(p, radius, |slots| {
             self.in_slots(slots).iter().copied().for_each(&mut ask);
             false

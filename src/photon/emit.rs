@@ -69,6 +69,8 @@ impl Emitter {
         let chance = self.choice.probability(light);
         let mut differential = launch.differential;
         differential.chance *= chance;
+        differential.bound(0, direction);
+        differential.bound(1, point);
         Emission {
             ray: launch.ray,
             flux: launch.flux / chance,

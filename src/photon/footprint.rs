@@ -31,7 +31,7 @@ pub struct Footprint {
 /// Kernel semi-axes over those of the cell's patch, by the number of pairs of
 /// coordinates that share its volume. A cell that is spread over more
 /// dimensions is wider from the start and holds more of its neighbours.
-const OVERLAP: [f64; MAX_PAIRS + 1] = [1.0, 2.4, 0.7, 0.6];
+const OVERLAP: [f64; MAX_PAIRS + 1] = [1.0, 2.6, 0.6, 0.5];
 
 /// Most strain of a kernel (see [`Differential::strains`]) for which
 /// the derivatives are believed.
@@ -55,6 +55,8 @@ impl Footprint {
             let h = scale * sizes.squared[i].sqrt();
             strain += sizes.squared[i] * differential.strains()[i];
             for (k, v) in pair.dp.iter().enumerate() {
+                // No kernel reaches past the last photon of its light.
+                let h = h.min(differential.room()[i][k]);
                 axes[2 * i + k] = DVec2::new(frame.s.dot(*v), frame.t.dot(*v)) * h;
             }
         }

@@ -37,8 +37,8 @@ const LATER_SHADOW_RAYS: u32 = 1;
 /// derivatives no longer hold. Light that was reflected after it was a caustic
 /// varies slowly and is rare.
 const LEAST: f64 = 0.125;
-const MOST: f64 = 12.5;
-const MOST_BOUNCED: f64 = 30.0;
+const MOST: f64 = 6.0;
+const MOST_BOUNCED: f64 = 8.0;
 
 /// Growth of a path's footprint after a diffuse bounce, in metres per metre:
 /// the bounce averages over a wide cone, so the photons' light seen there may

@@ -7,7 +7,7 @@ pub const REPLICATES: u32 = crate::film::REPLICATES as u32;
 /// Exponent of the schedule: with `alpha = 2/3` the mean squared error of the
 /// averaged passes falls fastest, like `N^(-2/3)` for independent photons
 /// (Kaplanyan and Dachsbacher 2013).
-const ALPHA: f64 = 0.5;
+const ALPHA: f64 = 2.0 / 3.0;
 
 /// Kernel scales by round: `s_k^2 = s_0^2 * product over j = 1..=k of
 /// (j - 1 + alpha) / j` (Knaus and Zwicker 2011), a function of the round

@@ -10,9 +10,37 @@ use super::joe_kuo::ROWS;
 /// Number of dimensions with direction numbers of their own.
 pub const DIMENSIONS: usize = 64;
 
-/// Direction numbers, one row of 32 a dimension, first bit highest.
-static DIRECTIONS: [[u32; 32]; DIMENSIONS] = directions();
+/// Bits of an index that are looked up together.
+const GROUP: usize = 4;
 
+/// For each dimension and each group of bits of an index, what every value of
+/// the group adds (exclusive or) to the point, with bits reversed. Eight
+/// look-ups a point instead of one for each bit that is set; a path's
+/// dimensions share a few cache lines.
+static GROUPS: [[[u32; 1 << GROUP]; 32 / GROUP]; DIMENSIONS] = groups();
+
+const fn groups() -> [[[u32; 1 << GROUP]; 32 / GROUP]; DIMENSIONS] {
+    let directions = directions();
+    let mut table = [[[0u32; 1 << GROUP]; 32 / GROUP]; DIMENSIONS];
+    let mut d = 0;
+    while d < DIMENSIONS {
+        let mut bit = 0;
+        while bit < 32 {
+            let mut value = 0;
+            while value < 1 << GROUP {
+                if value >> (bit % GROUP) & 1 == 1 {
+                    table[d][bit / GROUP][value] ^= directions[d][bit].reverse_bits();
+                }
+                value += 1;
+            }
+            bit += 1;
+        }
+        d += 1;
+    }
+    table
+}
+
+/// Direction numbers, one row of 32 a dimension, first bit highest.
 const fn directions() -> [[u32; 32]; DIMENSIONS] {
     let mut table = [[0u32; 32]; DIMENSIONS];
     let mut k = 0;
@@ -50,22 +78,25 @@ const fn directions() -> [[u32; 32]; DIMENSIONS] {
 /// fraction.
 #[inline]
 pub fn sobol(index: u32, dimension: usize) -> u32 {
-    let row = &DIRECTIONS[dimension];
-    let mut bits = index;
+    reversed(index, dimension).reverse_bits()
+}
+
+/// [`sobol`], first bit lowest.
+#[inline]
+fn reversed(index: u32, dimension: usize) -> u32 {
     let mut x = 0;
-    while bits != 0 {
-        x ^= row[bits.trailing_zeros() as usize];
-        bits &= bits - 1;
+    for (k, group) in GROUPS[dimension].iter().enumerate() {
+        x ^= group[(index >> (GROUP * k)) as usize % (1 << GROUP)];
     }
     x
 }
 
 /// Owen scrambling of a 32-bit fraction: each bit is flipped or not depending
-/// on the seed and the bits above it.
+/// on the seed and the bits above it. Takes the fraction with bits reversed,
+/// since the hash works from low to high bits.
 #[inline]
-fn owen(x: u32, seed: u32) -> u32 {
-    // The hash works from low to high bits, so the number is reversed.
-    let mut v = x.reverse_bits();
+fn owen_of_reversed(x: u32, seed: u32) -> u32 {
+    let mut v = x;
     // Even multipliers: no bit influences itself or lower ones. The constants
     // are those of N. Vegdahl, *Building a Better LK Hash*, 2021.
     v ^= v.wrapping_mul(0x3d20_adea);
@@ -83,13 +114,13 @@ fn owen(x: u32, seed: u32) -> u32 {
 #[inline]
 pub(super) fn shuffled(index: u32, seed: u32) -> u32 {
     let (block, low) = (index & 0xffff_0000, index << 16);
-    block | (owen(low, seed ^ block) >> 16)
+    block | (owen_of_reversed(low.reverse_bits(), seed ^ block) >> 16)
 }
 
 /// Owen-scrambled point in `[0, 1)`; equal seeds give equal scramblings.
 #[inline]
 pub fn sobol_owen(index: u32, dimension: usize, seed: u32) -> f64 {
-    f64::from(owen(sobol(index, dimension), seed)) * (1.0 / 4_294_967_296.0)
+    f64::from(owen_of_reversed(reversed(index, dimension), seed)) * (1.0 / 4_294_967_296.0)
 }
 
 #[cfg(test)]
@@ -109,6 +140,20 @@ mod tests {
             (0..4).map(|i| sobol(i, 1)).collect::<Vec<_>>(),
             [0, half, half + q, q]
         );
+    }
+
+    /// Looked up by groups, and added bit by bit as the sequence is defined.
+    #[test]
+    fn groups_of_bits_add_up() {
+        let directions = directions();
+        for (d, row) in directions.iter().enumerate() {
+            for k in 0..200u64 {
+                let index = super::super::mix(k) as u32 >> (k % 32);
+                let set = (0..32).filter(|bit| index >> bit & 1 == 1);
+                let sum = set.fold(0, |x, bit| x ^ row[bit]);
+                assert_eq!(sobol(index, d), sum, "point {index}, dimension {d}");
+            }
+        }
     }
 
     /// Every one-dimensional projection of 2^m points has one point in each of

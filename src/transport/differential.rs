@@ -56,6 +56,7 @@ pub struct Differential {
     pairs: [Pair; MAX_PAIRS],
     count: usize,
     strain: [f64; MAX_PAIRS],
+    room: [[f64; 2]; MAX_PAIRS],
     /// Probability of the discrete choices on the path so far: light, target,
     /// lobe, roulette. Neighbours of this path are rarer by this factor.
     pub chance: f64,
@@ -68,6 +69,7 @@ impl Differential {
             pairs: [Pair::default(); MAX_PAIRS],
             count: 0,
             strain: [0.0; MAX_PAIRS],
+            room: [[f64::INFINITY; 2]; MAX_PAIRS],
             chance: 1.0,
         }
     }
@@ -85,6 +87,21 @@ impl Differential {
     #[inline]
     pub fn pairs(&self) -> &[Pair] {
         &self.pairs[..self.count]
+    }
+
+    /// Tells the sample from which a pair was drawn, in the unit square: its
+    /// neighbours end where the square does.
+    #[inline]
+    pub fn bound(&mut self, pair: usize, sample: [f64; 2]) {
+        if let Some(room) = self.room.get_mut(pair) {
+            *room = sample.map(|u| u.min(1.0 - u));
+        }
+    }
+
+    /// How far each pair's coordinates are from the end of their range.
+    #[inline]
+    pub fn room(&self) -> &[[f64; 2]] {
+        &self.room[..self.count]
     }
 
     /// Largest squared strain of each pair so far, for the whole range of its

@@ -76,6 +76,7 @@ impl Lobes {
 
 /// The lobes of a specular material at `point` for light or sight travelling
 /// in unit direction `d`. `None` if the material is not specular.
+#[inline]
 pub fn lobes(
     material: &Material,
     point: &SurfacePoint,
@@ -98,6 +99,7 @@ pub fn lobes(
 
 /// The geometric and the shading normal on the side from which `d` comes. A
 /// shading normal that faces away from `d` is replaced by the geometric one.
+#[inline]
 fn facing(point: &SurfacePoint, d: DVec3) -> (DVec3, DVec3) {
     let (ng, ns) = if point.ng.dot(d) > 0.0 {
         (-point.ng, -point.ns)
@@ -120,6 +122,7 @@ fn turn(point: &SurfacePoint, n: DVec3) -> f64 {
 
 /// Veach's factor for a light path that arrives along `d` and leaves along
 /// `w`: `|cos(in, ns) cos(out, ng)| / |cos(in, ng) cos(out, ns)|`.
+#[inline]
 fn shading_factor(ng: DVec3, ns: DVec3, d: DVec3, w: DVec3, carried: Carried) -> f64 {
     if carried == Carried::Radiance || ng == ns {
         return 1.0;
@@ -129,6 +132,7 @@ fn shading_factor(ng: DVec3, ns: DVec3, d: DVec3, w: DVec3, carried: Carried) ->
     if factor.is_finite() { factor } else { 0.0 }
 }
 
+#[inline]
 fn straight(d: DVec3, share: f64) -> Lobe {
     Lobe {
         dir: d,
@@ -141,6 +145,7 @@ fn straight(d: DVec3, share: f64) -> Lobe {
 
 /// A reflected lobe; where the shading normal would send it into the surface,
 /// the geometric normal decides, so that no light is lost at silhouettes.
+#[inline]
 fn reflected(point: &SurfacePoint, ng: DVec3, ns: DVec3, d: DVec3, carried: Carried) -> Lobe {
     let w = optics::reflect(d, ns);
     let (w, n, shading) = if w.dot(ng) > 0.0 {
@@ -160,6 +165,7 @@ fn reflected(point: &SurfacePoint, ng: DVec3, ns: DVec3, d: DVec3, carried: Carr
     }
 }
 
+#[inline]
 fn mirror(point: &SurfacePoint, d: DVec3, reflectance: Rgb, carried: Carried) -> Lobe {
     let (ng, ns) = facing(point, d);
     let lobe = reflected(point, ng, ns, d, carried);
@@ -190,6 +196,7 @@ fn pane(point: &SurfacePoint, d: DVec3, ior: f64) -> Lobes {
     )
 }
 
+#[inline]
 fn interface(point: &SurfacePoint, d: DVec3, ior: f64, carried: Carried) -> Lobes {
     let (ng, mut ns) = facing(point, d);
     let eta = if point.ng.dot(d) < 0.0 {
