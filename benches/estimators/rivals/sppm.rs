@@ -95,8 +95,11 @@ fn pass(case: &Case, pixels: &mut [Pixel], random: &mut Random) {
 /// Gives a photon to the hit points that it is near enough to.
 fn splat(photon: &Photon, pixels: &mut [Pixel], side: usize, reach: f64) {
     let [x, y] = photon.at;
-    // `as` saturates below at zero; the range is empty beyond the window.
-    let range = |c: f64| (c - reach) as usize..((c + reach + 1.0) as usize).min(side);
+    let range = |c: f64| {
+        // `as` saturates below at zero; beyond the window nothing is left.
+        let end = ((c + reach + 1.0) as usize).min(side);
+        ((c - reach) as usize).min(end)..end
+    };
     for row in range(y) {
         for pixel in &mut pixels[row * side..][range(x)] {
             let (dx, dy) = (x - pixel.hit[0], y - pixel.hit[1]);
