@@ -40,7 +40,8 @@ impl Clock {
 }
 
 /// Time that the threads alive have run: the first number of `schedstat`, in
-/// nanoseconds. No thread ends while something is measured.
+/// nanoseconds, which may be some milliseconds behind. No thread ends while
+/// something is measured.
 fn cpu_seconds() -> Option<f64> {
     let mut total = 0;
     for task in fs::read_dir("/proc/self/task").ok()? {

@@ -21,9 +21,11 @@ use ours::ours;
 use rivals::{knn, sppm};
 use table::say;
 
-/// First radii of SPPM, in pixels; the second is the one for those who do not
-/// tune.
-const RADII: [f64; 3] = [1.0, 2.0, 4.0];
+/// First radii of SPPM, in pixels.
+const RADII: [f64; 4] = [1.0, 2.0, 4.0, 8.0];
+
+/// Which of them is for those who do not tune: the renderer's own default.
+const UNTUNED: usize = 1;
 
 /// Photons that a query of the oldest method looks for.
 const NEAREST: [usize; 3] = [10, 50, 200];
@@ -95,7 +97,7 @@ fn compare(case: &Case, reference: &Reference, seconds: f64) {
     for k in NEAREST {
         table::rows(&knn(case, reference, k, seconds));
     }
-    table::summary(&own, &progressive);
+    table::summary(&own, &progressive, UNTUNED);
 }
 
 fn plateau(case: &Case, reference: &Reference, seconds: f64) {

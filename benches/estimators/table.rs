@@ -29,11 +29,18 @@ pub(crate) fn rows(series: &Series) {
     }
 }
 
-/// Our time to the best error of SPPM, with the best of its first radii and
-/// with the untuned one, and how fast our error falls.
-pub(crate) fn summary(own: &Series, progressive: &[Series]) {
-    for series in progressive {
-        versus(own, series);
+/// Our time to the least error of SPPM, with the radius that serves it best
+/// and with the untuned one, and how fast our error falls.
+pub(crate) fn summary(own: &Series, progressive: &[Series], untuned: usize) {
+    let least = |s: &Series| s.best().map_or(f64::INFINITY, |row| row.error);
+    let tuned = progressive
+        .iter()
+        .min_by(|a, b| least(a).total_cmp(&least(b)));
+    if let Some(series) = tuned {
+        versus("tuned", own, series);
+    }
+    if let Some(series) = progressive.get(untuned) {
+        versus("untuned", own, series);
     }
     match own.seconds_to(TARGET) {
         Some(seconds) => say(&format!("nephroid to relMSE {TARGET:e}: {seconds:.2} s")),
@@ -42,12 +49,12 @@ pub(crate) fn summary(own: &Series, progressive: &[Series]) {
     slopes(own);
 }
 
-fn versus(own: &Series, rival: &Series) {
+fn versus(how: &str, own: &Series, rival: &Series) {
     let Some(best) = rival.best() else {
         return;
     };
     let what = format!(
-        "{} best {:.2e} in {:.2} s",
+        "{how} {}: {:.2e} in {:.2} s",
         rival.name, best.error, best.seconds
     );
     let Some(seconds) = own.seconds_to(best.error) else {
