@@ -7,19 +7,26 @@
 //! one of the four. Every point is a process of its own, since a process
 //! remembers only its highest peak; Linux tells it.
 
+#[path = "common/clock.rs"]
+mod clock;
+#[path = "common/peak.rs"]
+mod peak;
+
 use std::{
-    env, fs,
+    env,
     ops::ControlFlow,
     path::Path,
     process::Command,
     time::{Duration, Instant},
 };
 
+use clock::Clock;
 use nephroid::{
     metrics::fit_slope,
     render::{Job, Renderer, run},
     scene::load_str,
 };
+use peak::peak_mebibytes;
 
 /// What a child process is asked by.
 const JOB: &str = "NEPHROID_SCALING_BENCH";
@@ -59,6 +66,8 @@ struct Cost {
     prepare: f64,
     /// Seconds of the fastest pass.
     pass: f64,
+    /// CPU seconds of the cheapest pass, all threads together.
+    cpu: f64,
     /// Peak memory of the process in MiB.
     mebibytes: f64,
 }
@@ -93,14 +102,14 @@ fn main() {
 /// All points of an axis, and the fits.
 fn along(axis: &str, sizes: &[u64]) {
     report(&format!(
-        "\n{axis:>12}  threads  load s  prepare s   pass s  peak MiB"
+        "\n{axis:>12}  threads  load s  prepare s   pass s   CPU s  peak MiB"
     ));
     for threads in [1, 2] {
         let costs: Vec<Cost> = sizes.iter().map(|&n| measure(axis, n, threads)).collect();
         for (n, c) in sizes.iter().zip(&costs) {
             report(&format!(
-                "{n:12}  {threads:7}  {:6.2}  {:9.3}  {:7.4}  {:8.0}",
-                c.load, c.prepare, c.pass, c.mebibytes
+                "{n:12}  {threads:7}  {:6.2}  {:9.3}  {:7.3}  {:6.3}  {:8.0}",
+                c.load, c.prepare, c.pass, c.cpu, c.mebibytes
             ));
         }
         let exponent = |cost: fn(&Cost) -> f64| {
@@ -112,10 +121,10 @@ fn along(axis: &str, sizes: &[u64]) {
             )
         };
         report(&format!(
-            "{axis}, {threads} threads: exponent of load {}, prepare {}, pass {}, memory {}",
+            "{axis}, {threads} threads: exponent of load {}, prepare {}, CPU {}, memory {}",
             exponent(|c| c.load),
             exponent(|c| c.prepare),
-            exponent(|c| c.pass),
+            exponent(|c| c.cpu),
             exponent(|c| c.mebibytes)
         ));
     }
@@ -133,18 +142,19 @@ fn measure(axis: &str, size: u64, threads: usize) -> Cost {
         .split_whitespace()
         .map_while(|w| w.parse().ok())
         .collect();
-    let &[load, prepare, pass, mebibytes] = numbers.as_slice() else {
+    let &[load, prepare, pass, cpu, mebibytes] = numbers.as_slice() else {
         panic!("{size} {axis}: {}", String::from_utf8_lossy(&output.stderr));
     };
     Cost {
         load,
         prepare,
         pass,
+        cpu,
         mebibytes,
     }
 }
 
-/// One point: prints the four numbers of its cost.
+/// One point: prints the numbers of its cost.
 fn child(job: &str) {
     let mut words = job.split(' ');
     let mut word = || words.next().unwrap_or_else(|| panic!("malformed job"));
@@ -175,9 +185,11 @@ fn child(job: &str) {
     drop(Renderer::new(&scene, &job.settings, job.resolution, window));
     let prepare = start.elapsed().as_secs_f64();
 
-    let mut finished = vec![0.0];
+    let (mut finished, mut spent) = (vec![0.0], vec![0.0]);
+    let clock = Clock::start();
     let outcome = run(&scene, &job, &mut |progress| {
         finished.push(progress.elapsed.as_secs_f64());
+        spent.push(clock.seconds());
         if progress.elapsed > PATIENCE {
             ControlFlow::Break(())
         } else {
@@ -188,17 +200,16 @@ fn child(job: &str) {
         axis != "photons" || outcome.report.photons_per_pass == size,
         "the photons were cut"
     );
-    // The first pass was timed with another preparation.
-    finished[0] = prepare.min(finished[1]);
-    let fastest = finished
-        .windows(2)
-        .map(|w| w[1] - w[0])
-        .fold(f64::INFINITY, f64::min);
+    let least = |times: &[f64]| {
+        let passes = times.windows(2).map(|w| w[1] - w[0]);
+        passes.fold(f64::INFINITY, f64::min)
+    };
     report(&format!(
-        "{} {} {} {}",
+        "{} {} {} {} {}",
         load.as_secs_f64(),
         prepare,
-        fastest,
+        least(&finished),
+        least(&spent),
         peak_mebibytes()
     ));
 }
@@ -250,16 +261,6 @@ fn small_light(i: u64, n: u64) -> String {
         radius * y,
         100.0 / n as f64
     )
-}
-
-/// The process's largest resident set so far, as Linux counts it; 0 elsewhere.
-fn peak_mebibytes() -> f64 {
-    let status = fs::read_to_string("/proc/self/status").unwrap_or_default();
-    let kibibytes = status
-        .lines()
-        .find_map(|l| l.strip_prefix("VmHWM:"))
-        .and_then(|l| l.split_whitespace().next()?.parse::<f64>().ok());
-    kibibytes.unwrap_or(0.0) / 1024.0
 }
 
 #[allow(clippy::print_stdout, reason = "a bench speaks to whoever runs it")]

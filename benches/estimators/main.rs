@@ -8,6 +8,8 @@
 //! `--plateau` lets the renderer alone go on until relMSE 1e-4, to see that no
 //! bias stops it.
 
+#[path = "../common/clock.rs"]
+mod clock;
 mod cost;
 mod exact;
 mod ours;

@@ -9,7 +9,8 @@ use nephroid::{
 };
 
 use crate::{
-    cost::{Clock, Row, Series, doublings},
+    clock::Clock,
+    cost::{Row, Series, doublings},
     exact::{Case, Reference},
 };
 

@@ -1,5 +1,6 @@
 //! Photon mapping as first published (Jensen 1996): one pass of random
-//! photons, the `k` nearest of them, a cone filter.
+//! photons, one query at the centre of each pixel, the `k` nearest photons, a
+//! cone filter.
 
 use std::{f64::consts::PI, num::NonZero};
 
@@ -7,14 +8,12 @@ use kiddo::{ImmutableKdTree, SquaredEuclidean};
 use rayon::prelude::*;
 
 use crate::{
-    cost::{Clock, Row, Series, doublings},
+    clock::Clock,
+    cost::{Row, Series, doublings},
     exact::{Case, Reference},
 };
 
 use super::photons::{Photon, Random, photon};
-
-/// Queries along a side of a pixel, at the centres of as many squares.
-const QUERIES: usize = 2;
 
 /// Photons further out of the window than its own width are of no use.
 const MARGIN: f64 = 1.0;
@@ -66,17 +65,6 @@ fn estimate(case: &Case, k: usize, emitted: u64) -> Vec<f64> {
     };
     (0..side * side)
         .into_par_iter()
-        .map(|pixel| {
-            let place = |corner: usize, i: usize| corner as f64 + (i as f64 + 0.5) / QUERIES as f64;
-            let sum: f64 = (0..QUERIES * QUERIES)
-                .map(|q| {
-                    at([
-                        place(pixel % side, q % QUERIES),
-                        place(pixel / side, q / QUERIES),
-                    ])
-                })
-                .sum();
-            sum / (QUERIES * QUERIES) as f64
-        })
+        .map(|pixel| at([pixel % side, pixel / side].map(|corner| corner as f64 + 0.5)))
         .collect()
 }

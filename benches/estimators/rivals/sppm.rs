@@ -5,7 +5,8 @@
 use std::f64::consts::PI;
 
 use crate::{
-    cost::{Clock, Row, Series, doublings},
+    clock::Clock,
+    cost::{Row, Series, doublings},
     exact::{Case, Reference},
 };
 
