@@ -12,13 +12,7 @@ mod clock;
 #[path = "common/peak.rs"]
 mod peak;
 
-use std::{
-    env,
-    ops::ControlFlow,
-    path::Path,
-    process::Command,
-    time::{Duration, Instant},
-};
+use std::{env, ops::ControlFlow, path::Path, process::Command, time::Instant};
 
 use clock::Clock;
 use nephroid::{
@@ -31,9 +25,10 @@ use peak::peak_mebibytes;
 /// What a child process is asked by.
 const JOB: &str = "NEPHROID_SCALING_BENCH";
 
-/// Passes of a point, and the time after which it has no more.
+/// Passes of a point, and of one with so many photons that two must do.
 const PASSES: u32 = 4;
-const PATIENCE: Duration = Duration::from_secs(30);
+const PASSES_OF_MANY: u32 = 2;
+const MANY: u64 = 10_000_000;
 
 /// Photon paths of a pass where their number is not what varies.
 const PHOTONS: u64 = 1 << 16;
@@ -179,7 +174,10 @@ fn child(job: &str) {
     };
     // What a point needs is what is asked; no budget may cut it.
     job.settings.memory = 1 << 44;
-    job.settings.passes = PASSES;
+    job.settings.passes = match job.settings.photons {
+        Some(MANY..) => PASSES_OF_MANY,
+        _ => PASSES,
+    };
     let start = Instant::now();
     let window = job.window();
     drop(Renderer::new(&scene, &job.settings, job.resolution, window));
@@ -190,11 +188,7 @@ fn child(job: &str) {
     let outcome = run(&scene, &job, &mut |progress| {
         finished.push(progress.elapsed.as_secs_f64());
         spent.push(clock.seconds());
-        if progress.elapsed > PATIENCE {
-            ControlFlow::Break(())
-        } else {
-            ControlFlow::Continue(())
-        }
+        ControlFlow::Continue(())
     });
     assert!(
         axis != "photons" || outcome.report.photons_per_pass == size,

@@ -54,16 +54,19 @@ impl Series {
         self.rows.iter().min_by(|a, b| a.error.total_cmp(&b.error))
     }
 
-    /// CPU seconds after which the error is first at most `error`, on a
-    /// straight line between the pictures on log-log paper; those of the
-    /// first picture if it is that good already, `None` if none is.
-    pub(crate) fn seconds_to(&self, error: f64) -> Option<f64> {
+    /// CPU seconds and photons after which the error is first at most
+    /// `error`, on a straight line between the pictures on log-log paper;
+    /// those of the first picture if it is that good already, `None` if none
+    /// is.
+    pub(crate) fn cost_to(&self, error: f64) -> Option<[f64; 2]> {
         let after = self.rows.iter().position(|r| r.error <= error)?;
-        let b = self.rows[after];
-        let Some(a) = after.checked_sub(1).map(|i| self.rows[i]) else {
-            return Some(b.seconds);
+        let cost = |row: &Row| [row.seconds, row.photons as f64];
+        let b = &self.rows[after];
+        let Some(a) = after.checked_sub(1).map(|i| &self.rows[i]) else {
+            return Some(cost(b));
         };
         let share = (a.error / error).ln() / (a.error / b.error).ln();
-        Some(a.seconds * (b.seconds / a.seconds).powf(share))
+        let between = |i: usize| cost(a)[i] * (cost(b)[i] / cost(a)[i]).powf(share);
+        Some([between(0), between(1)])
     }
 }

@@ -106,8 +106,8 @@ fn plateau(case: &Case, reference: &Reference, seconds: f64) {
     let own = ours(case, reference, seconds, PLATEAU);
     table::rows(&own);
     table::slopes(&own);
-    match own.seconds_to(PLATEAU) {
-        Some(seconds) => say(&format!("no plateau down to {PLATEAU:e}: {seconds:.2} s")),
+    match own.cost_to(PLATEAU) {
+        Some([seconds, _]) => say(&format!("no plateau down to {PLATEAU:e}: {seconds:.2} s")),
         None => say(&format!("{PLATEAU:e} was not reached in {seconds} s")),
     }
 }

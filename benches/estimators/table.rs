@@ -42,8 +42,10 @@ pub(crate) fn summary(own: &Series, progressive: &[Series], untuned: usize) {
     if let Some(series) = progressive.get(untuned) {
         versus("untuned", own, series);
     }
-    match own.seconds_to(TARGET) {
-        Some(seconds) => say(&format!("nephroid to relMSE {TARGET:e}: {seconds:.2} s")),
+    match own.cost_to(TARGET) {
+        Some([seconds, photons]) => say(&format!(
+            "nephroid to relMSE {TARGET:e}: {seconds:.2} s, {photons:.0} photons"
+        )),
         None => say(&format!("nephroid did not reach relMSE {TARGET:e}")),
     }
     slopes(own);
@@ -54,24 +56,19 @@ fn versus(how: &str, own: &Series, rival: &Series) {
         return;
     };
     let what = format!(
-        "{how} {}: {:.2e} in {:.2} s",
-        rival.name, best.error, best.seconds
+        "{how} {}: {:.2e} in {:.2} s, {} photons",
+        rival.name, best.error, best.seconds, best.photons
     );
-    let Some(seconds) = own.seconds_to(best.error) else {
+    let Some([seconds, photons]) = own.cost_to(best.error) else {
         return say(&format!("{what}; nephroid did not reach that"));
     };
     // The first picture may be better than what was asked for.
     let first = own.rows.first().is_some_and(|r| r.error <= best.error);
-    let bound = if first {
-        ["at most ", "at least "]
-    } else {
-        ["", ""]
-    };
+    let least = if first { "at least " } else { "" };
     say(&format!(
-        "{what}; nephroid {}{seconds:.2} s: {}{:.1} times faster",
-        bound[0],
-        bound[1],
-        best.seconds / seconds
+        "{what}; nephroid {seconds:.2} s, {photons:.0} photons: {least}{:.2} times faster, {:.2} times fewer",
+        best.seconds / seconds,
+        best.photons as f64 / photons
     ));
 }
 
