@@ -1,19 +1,17 @@
 //! The exact pictures with which the `estimators` bench compares: they must
 //! hold the light that the renderer's own photons bring, in the whole, in
-//! coarse squares and pixel by pixel.
+//! coarse squares and pixel by pixel. So must the random photons of the
+//! methods that the renderer is compared with.
 //!
 //! The photons are counted pixel by pixel without any kernel, so nothing
 //! blurs the comparison.
 
 mod common;
 
-#[allow(
-    dead_code,
-    unused_imports,
-    reason = "the bench's rivals trace rays with the rest of it"
-)]
 #[path = "../benches/estimators/exact/mod.rs"]
 mod exact;
+#[path = "../benches/estimators/rivals/photons.rs"]
+mod photons;
 
 use common::{Estimate, render, renderer, scene};
 use exact::{CASES, Case, Optics, Reference};
@@ -22,6 +20,7 @@ use nephroid::{
     metrics::{mean_ratio, relmse},
     render::REPLICATES,
 };
+use photons::Random;
 
 /// Photon paths of each replicate.
 const PHOTONS: u64 = 1 << 19;
@@ -92,22 +91,70 @@ fn sum_of(reference: &Image, pixels: impl Fn(usize) -> bool) -> f64 {
     part.filter(|(i, _)| pixels(*i)).map(|(_, p)| p[1]).sum()
 }
 
+/// Photons of the other methods, in batches for replicates.
+fn random(case: &Case) -> Counted {
+    let pixels = (case.window.pixels * case.window.pixels) as usize;
+    let side = f64::from(case.window.pixels);
+    let (mut sum, mut squares) = (0.0, 0.0);
+    let replicates = (0..u64::from(REPLICATES)).map(|replicate| {
+        let mut irradiance = vec![0.0; pixels];
+        let mut random = Random::new(replicate << 40);
+        for _ in 0..PHOTONS {
+            let photon = photons::photon(case, &mut random);
+            let Some(p) = photon.filter(|p| p.at.iter().all(|c| (0.0..side).contains(c))) else {
+                continue;
+            };
+            let [column, row] = p.at.map(|c| c as usize);
+            let flux = p.irradiance / PHOTONS as f64;
+            irradiance[row * case.window.pixels as usize + column] += flux;
+            sum += flux;
+            squares += flux * flux;
+        }
+        irradiance
+    });
+    let replicates = replicates.collect();
+    Counted {
+        replicates,
+        one: squares / sum,
+    }
+}
+
 fn agrees(name: &str) {
     let case = Case::named(name).expect("a scene of the bench");
-    let Reference { image, error } = case.reference();
-    assert!(error < 1e-6, "{name}: the reference's own error {error:e}");
+    assert_eq!(case.name, name);
+    let reference = case.reference();
+    assert!(reference.error < 1e-6, "{name}: {:e}", reference.error);
+    let total = sum_of(&reference.image, |_| true);
+
     let counted = count(&case);
-    let total = sum_of(&image, |_| true);
     counted.of(|_| true).assert_is(total, 1e-4, name);
     let ratio = counted.of(|_| true).mean / total;
     assert!((ratio - 1.0).abs() < 1e-4, "{name}: mean ratio {ratio}");
-    let side = case.window.pixels as usize;
+    let misfit = counted.against(&reference.image);
+    assert!(misfit < 1.02, "{name}: misfit {misfit}");
+    squares_agree(&counted, &reference, name);
+
+    let random = random(&case);
+    random.of(|_| true).assert_is(total, 2e-3, name);
+    let misfit = random.against(&reference.image);
+    // A mean over pixels, of which the brightest few weigh no more than any.
+    assert!(
+        (misfit - 1.0).abs() < 0.05,
+        "{name}: random misfit {misfit}"
+    );
+    squares_agree(&random, &reference, name);
+}
+
+/// Compares the light in coarse squares.
+fn squares_agree(counted: &Counted, reference: &Reference, name: &str) {
+    let image = &reference.image;
+    let side = image.width() as usize;
     for block in 0..(side / BLOCK) * (side / BLOCK) {
         let inside = |i: usize| {
             let (column, row) = (i % side / BLOCK, i / side / BLOCK);
             row * (side / BLOCK) + column == block
         };
-        let (found, expected) = (counted.of(inside), sum_of(&image, inside));
+        let (found, expected) = (counted.of(inside), sum_of(image, inside));
         // Student's t with 7 degrees of freedom is beyond 8 once in 10,000
         // times; there are 100 squares.
         let slack = 8.0 * found.error + 1e-4 * expected;
@@ -116,8 +163,6 @@ fn agrees(name: &str) {
             "{name}, square {block}: {found:?}, expected {expected}"
         );
     }
-    let misfit = counted.against(&image);
-    assert!(misfit < 1.02, "{name}: misfit {misfit}");
 }
 
 #[test]

@@ -7,9 +7,9 @@ use super::{Ball, Reference, Sheet, Source, Window, ball, waves};
 /// Pixels along a side of every picture.
 pub(crate) const PIXELS: u32 = 200;
 
-/// Triangles along a side of the mesh that stands for the waves, in cells. A
-/// cell is 4 mm wide: its interpolated normals are off by some 1e-5 rad, or a
-/// hundredth of a hundredth of a pixel on the floor.
+/// Cells along a side of the mesh that stands for the waves. Its normals are
+/// interpolated; the reference of a surface with such normals differs from
+/// that of the waves by a relMSE of 4e-6 (with 256 cells by 3e-5).
 const MESH_CELLS: u32 = 512;
 
 /// What bends the light.
