@@ -6,6 +6,7 @@
 //! decides only how many passes run.
 
 mod camera_walk;
+mod coordinates;
 mod driver;
 mod memory;
 mod pass;

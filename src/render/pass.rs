@@ -15,6 +15,7 @@ use crate::{
 
 use super::{
     camera_walk::{CameraTally, Gather},
+    coordinates,
     memory::{FEWEST_PHOTONS, photon_budget},
     schedule::{REPLICATES, Schedule},
 };
@@ -207,10 +208,10 @@ impl<'a> Renderer<'a> {
         let [width, height] = self.resolution.map(f64::from);
         let mut tally = CameraTally::default();
         for i in 0..PILOT_SAMPLES {
-            let mut stream = camera.at(u64::from(i));
-            let [u, v] = stream.next_2d();
+            let stream = camera.at(u64::from(i));
+            let [u, v] = coordinates::film(&stream);
             let film = DVec2::new(u * width, v * height);
-            gather.sample(self.camera.ray(film), &mut stream, &mut tally);
+            gather.sample(self.camera.ray(film), &stream, &mut tally);
         }
         tally.visited as f64 / f64::from(PILOT_SAMPLES)
     }
@@ -243,12 +244,12 @@ impl<'a> Renderer<'a> {
                         // The pixel's number in the whole picture, so that a
                         // crop shows the same samples.
                         let item = u64::from(py) * u64::from(self.resolution[0]) + u64::from(px);
-                        let mut stream =
+                        let stream =
                             Sequence::new(self.settings.seed, Purpose::Camera, replicate, item)
                                 .at_own_order(u64::from(round));
-                        let [u, v] = stream.next_2d();
+                        let [u, v] = coordinates::film(&stream);
                         let film = DVec2::new(f64::from(px) + u, f64::from(py) + v);
-                        gather.sample(self.camera.ray(film), &mut stream, &mut tally)
+                        gather.sample(self.camera.ray(film), &stream, &mut tally)
                     })
                     .collect();
                 (row, tally)

@@ -1,5 +1,7 @@
 //! Streams: the address of a path's random numbers.
 
+use std::ops::Range;
+
 use super::{
     DIMENSIONS, mix, mix2,
     sobol::{shuffled, sobol_owen},
@@ -42,6 +44,7 @@ impl Sequence {
             key: self.key ^ mix(index >> 32),
             index: index as u32,
             dimension: 0,
+            window: [u32::MAX; 2],
             path: index,
         }
     }
@@ -69,6 +72,8 @@ pub struct Stream {
     key: u64,
     index: u32,
     dimension: u32,
+    /// Where the window ends, and where reading goes on then.
+    window: [u32; 2],
     path: u64,
 }
 
@@ -76,6 +81,9 @@ impl Stream {
     /// The next coordinate, in `[0, 1)`.
     #[inline]
     pub fn next_1d(&mut self) -> f64 {
+        if self.dimension == self.window[0] {
+            *self = self.window(self.window[1]..u32::MAX, u32::MAX);
+        }
         let d = self.dimension;
         self.dimension += 1;
         let seed = mix(self
@@ -102,7 +110,19 @@ impl Stream {
         self.dimension = dimension;
     }
 
-    /// The coordinate that comes next.
+    /// The same point, read through a window: first the coordinates `range`,
+    /// then those from `beyond` on.
+    #[inline]
+    #[must_use]
+    pub fn window(&self, range: Range<u32>, beyond: u32) -> Self {
+        Self {
+            dimension: range.start,
+            window: [range.end, beyond],
+            ..*self
+        }
+    }
+
+    /// The coordinate that comes next, unless a window ends here.
     #[inline]
     pub fn dimension(&self) -> u32 {
         self.dimension
@@ -126,6 +146,10 @@ mod tests {
             first[99],
             "hashed coordinates are addressed too"
         );
+        let mut window = a.window(3..5, 70);
+        for d in [3, 4, 70, 71] {
+            assert_eq!(window.next_1d(), first[d], "through a window");
+        }
         let mut c = Sequence::new(7, Purpose::Photon, 4, 0).at(12345);
         assert_ne!(c.next_1d(), first[0], "replicates differ");
         assert!(first.iter().all(|x| (0.0..1.0).contains(x)));

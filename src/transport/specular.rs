@@ -32,6 +32,9 @@ pub struct Lobe {
     pub weight: Rgb,
     /// The part of `weight` that is due to shading normals (1 without).
     pub shading: f64,
+    /// The part of `weight` that is due to the change of index (1 for flux):
+    /// radiance scales by it, and no light is lost.
+    pub index: f64,
     /// Whether the light was reflected or refracted, not passed straight on.
     pub bent: bool,
 }
@@ -114,6 +117,7 @@ fn straight(d: DVec3, share: f64) -> Lobe {
         share,
         weight: Rgb::WHITE,
         shading: 1.0,
+        index: 1.0,
         bent: false,
     }
 }
@@ -132,6 +136,7 @@ fn reflected(ng: DVec3, ns: DVec3, d: DVec3, carried: Carried) -> Lobe {
         share: 1.0,
         weight: Rgb::grey(shading),
         shading,
+        index: 1.0,
         bent: true,
     }
 }
@@ -190,16 +195,17 @@ fn interface(point: &SurfacePoint, d: DVec3, ior: f64, carried: Carried) -> Lobe
             continue;
         }
         let shading = shading_factor(ng, ns, d, w, carried);
-        let scale = if carried == Carried::Radiance {
-            1.0 / (eta * eta)
-        } else {
-            shading
+        let index = match carried {
+            Carried::Radiance => 1.0 / (eta * eta),
+            Carried::Flux => 1.0,
         };
         let refracted = Lobe {
             dir: w,
             share: transmittance,
-            weight: Rgb::grey(scale),
+            // A radiance has no shading factor, a flux no index factor.
+            weight: Rgb::grey(index * shading),
             shading,
+            index,
             bent: true,
         };
         let mirror = reflected(ng, ns, d, carried);
