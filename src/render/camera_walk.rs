@@ -7,7 +7,7 @@ use glam::DVec3;
 use crate::{
     camera::Footprint,
     film::{Layer, PixelSample},
-    geometry::{Ray, SurfacePoint},
+    geometry::Ray,
     material::Material,
     numeric::Frame,
     photon::{PhotonMap, gather},
@@ -16,22 +16,13 @@ use crate::{
     transport::{Context, DiffusePoint, End, Walker, direct_light},
 };
 
-use super::coordinates;
+use super::{coordinates, glints::Glints, view::view};
 
-/// Where light divides, both ways are followed while the weaker one keeps more
-/// than this strength; below, a coin decides. A light that is seen by way of
-/// weak reflections inside glass is then found by every sample that could, and
-/// weighs little, instead of by few with the weight of all.
-const SPLIT_ABOVE: f64 = 0.01;
-
-/// Ends of the view weaker than this are shaded only now and then, with this
-/// strength: what they show differs less from its surroundings than lights do,
-/// and shading costs more than the way there.
-const SHADE_ABOVE: f64 = 0.25;
-
-/// Ways of the view that may wait to be followed; beyond, coins decide. Ways
-/// share the strength 1, so this many are rare.
-const PENDING: usize = 16;
+/// Where light divides, both ways are followed while the weaker one is
+/// stronger than this; below, a coin decides. Every single reflection in glass
+/// is then seen by all samples, with little weight, instead of by few with
+/// the weight of all.
+const SPLIT_ABOVE: f64 = 0.03;
 
 /// Shadow rays at the first diffuse surface: at least the first number, and
 /// one to each light up to the second; fewer on a path that carries less. More
@@ -70,59 +61,6 @@ pub(super) struct CameraTally {
     pub(super) visited: u64,
 }
 
-/// Ways of the view that wait to be followed.
-struct Pending {
-    walkers: [Option<Walker>; PENDING],
-    count: usize,
-}
-
-impl Pending {
-    /// Takes a way if it is worth it and there is room.
-    fn take(&mut self, walker: &Walker) -> bool {
-        let taken = walker.strength > SPLIT_ABOVE && self.count < PENDING;
-        if taken {
-            self.walkers[self.count] = Some(*walker);
-            self.count += 1;
-        }
-        taken
-    }
-
-    /// The way that was taken last.
-    fn next(&mut self) -> Option<Walker> {
-        self.count = self.count.checked_sub(1)?;
-        self.walkers[self.count].take()
-    }
-}
-
-/// Decides which ends of the view are shaded: strong ones always, of weak ones
-/// a systematic sample. Every end is shaded with its strength on average.
-struct Picker {
-    /// Strength of the weak ends since the last that was shaded, in units of
-    /// [`SHADE_ABOVE`]; starts anywhere between 0 and 1.
-    owed: f64,
-    /// Ends shaded so far.
-    shaded: u32,
-}
-
-impl Picker {
-    /// The number of the shaded end and the strength with which it is shaded;
-    /// `None` where it is passed over.
-    fn pick(&mut self, strength: f64) -> Option<(u32, f64)> {
-        let mut shaded_as = strength;
-        if strength < SHADE_ABOVE {
-            self.owed += strength / SHADE_ABOVE;
-            if self.owed < 1.0 {
-                return None;
-            }
-            self.owed -= 1.0;
-            shaded_as = SHADE_ABOVE;
-        }
-        let k = self.shaded;
-        self.shaded += 1;
-        Some((k, shaded_as))
-    }
-}
-
 impl Gather<'_> {
     /// Light through a film position, by layer.
     pub(super) fn sample(
@@ -132,60 +70,83 @@ impl Gather<'_> {
         tally: &mut CameraTally,
     ) -> PixelSample {
         let mut sample = PixelSample::default();
-        let mut pending = Pending {
-            walkers: [None; PENDING],
-            count: 0,
-        };
-        let mut picker = Picker {
-            owed: coordinates::pick(stream),
-            shaded: 0,
-        };
-        let mut coins = coordinates::coins(stream);
-        let mut next = Some(Walker::new(ray));
-        while let Some(mut walker) = next {
-            let before = walker.depth;
-            let end = walker.walk(&self.ctx, &mut coins, &mut |other| pending.take(other));
-            tally.rays += u64::from(walker.depth - before) + 1;
-            match end {
-                End::Escaped => sample[Layer::Emission] += self.sky(&walker),
+        let mut ends = 0;
+        let coins = coordinates::coins(stream);
+        view(
+            &self.ctx,
+            ray,
+            SPLIT_ABOVE,
+            coins,
+            tally,
+            |walker, end, tally| match end {
                 End::Truncated => tally.truncated += 1,
                 End::Surface {
                     point,
                     material: Material::Diffuse { reflectance },
                 } => {
-                    if let Some((k, strength)) = picker.pick(walker.strength) {
-                        walker.throughput *= strength / walker.strength;
-                        walker.strength = strength;
-                        let at = DiffusePoint::new(point, walker.ray.dir, reflectance);
-                        self.shade(&walker, &at, stream, k, &mut sample, tally);
-                    }
+                    let at = DiffusePoint::new(*point, walker.ray.dir, *reflectance);
+                    self.shade(walker, &at, stream, ends, &mut sample, tally);
+                    ends += 1;
                 }
-                End::Surface { point, .. } => {
-                    sample[Layer::Emission] += self.emitted(&walker, &point);
+                End::Escaped | End::Surface { .. } => {
+                    sample[Layer::Emission] += self.source(walker, end);
                 }
-            }
-            next = pending.next();
-        }
+            },
+        );
         sample
     }
 
-    /// What an escaped walk sees of the suns.
-    fn sky(&self, walker: &Walker) -> Rgb {
+    /// Light of the sources that are seen through a film position, directly
+    /// or by way of mirrors and glass: the layer `emission` alone.
+    pub(super) fn sources(&self, ray: Ray, stream: &Stream, tally: &mut CameraTally) -> Rgb {
         let mut sum = Rgb::BLACK;
-        for &sun in &self.ctx.plan.suns {
-            let light = &self.ctx.scene.lights[sun as usize].light;
-            sum += walker.throughput * light.sky_radiance(walker.ray.dir);
-        }
+        let coins = coordinates::coins(stream);
+        view(
+            &self.ctx,
+            ray,
+            SPLIT_ABOVE,
+            coins,
+            tally,
+            |walker, end, _| sum += self.source(walker, end),
+        );
         sum
     }
 
-    /// What a walk that ends on a black body sees there.
-    fn emitted(&self, walker: &Walker, point: &SurfacePoint) -> Rgb {
-        let Some(light) = self.ctx.scene.object(point.surface).light else {
-            return Rgb::BLACK;
+    /// Whether some way through a film position passes near a source.
+    pub(super) fn passes_near(&self, glints: &Glints, ray: Ray, stream: &Stream) -> bool {
+        let mut near = false;
+        let coins = coordinates::coins(stream);
+        view(
+            &self.ctx,
+            ray,
+            SPLIT_ABOVE,
+            coins,
+            &mut CameraTally::default(),
+            |walker, end, _| near |= glints.near(walker, end),
+        );
+        near
+    }
+
+    /// What a walk sees of a source at its end.
+    fn source(&self, walker: &Walker, end: &End) -> Rgb {
+        let lights = &self.ctx.scene.lights;
+        let radiance = match end {
+            End::Escaped => {
+                let suns = self.ctx.plan.suns.iter();
+                suns.fold(Rgb::BLACK, |sum, &sun| {
+                    sum + lights[sun as usize].light.sky_radiance(walker.ray.dir)
+                })
+            }
+            End::Surface { point, .. } => match self.ctx.scene.object(point.surface).light {
+                Some(light) => {
+                    let cos = -point.ng.dot(walker.ray.dir);
+                    lights[light as usize].light.surface_radiance(cos)
+                }
+                None => Rgb::BLACK,
+            },
+            End::Truncated => Rgb::BLACK,
         };
-        let light = &self.ctx.scene.lights[light as usize].light;
-        walker.throughput * light.surface_radiance(-point.ng.dot(walker.ray.dir))
+        walker.throughput * radiance
     }
 
     /// Adds what a walk from the eye sees at a diffuse point, end `k` of its
@@ -216,9 +177,8 @@ impl Gather<'_> {
         sample[Layer::Indirect] += walker.throughput * bounced;
         // A path that carries little goes on as seldom.
         if goes_on < walker.strength {
-            let factor = at.reflectance / walker.strength;
             let path = Walker {
-                throughput: walker.throughput * factor,
+                throughput: walker.throughput * at.reflectance / walker.strength,
                 strength: at.reflectance.max(),
                 ..*walker
             };

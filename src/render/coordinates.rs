@@ -14,12 +14,9 @@ use crate::sampling::{DIMENSIONS, Stream};
 /// The place on the film.
 const FILM: Range<u32> = 0..2;
 
-/// Coordinate that picks among weak ends of the view.
-const PICK: u32 = 23;
-
 /// Coordinates of the shaded ends, strongest first: the first has room for
 /// eight shadow rays beside its bounce.
-const SHADING: [Range<u32>; 3] = [2..23, 24..34, 34..44];
+const SHADING: [Range<u32>; 3] = [2..24, 24..34, 34..44];
 
 /// Coordinates of the first end's path from its bounce on; those of the other
 /// ends' paths are hashed.
@@ -39,11 +36,6 @@ pub(super) fn film(stream: &Stream) -> [f64; 2] {
 /// The coins of the view, where light divides and one way is not followed.
 pub(super) fn coins(stream: &Stream) -> Stream {
     stream.window(DIMENSIONS as u32..BLOCK, BLOCK)
-}
-
-/// Where in `[0, 1)` the picking among weak ends starts.
-pub(super) fn pick(stream: &Stream) -> f64 {
-    stream.window(PICK..PICK + 1, PICK).next_1d()
 }
 
 /// What decides at shaded end `k`, at most 125: the bounce, the
@@ -82,7 +74,6 @@ mod tests {
             }
         };
         read(stream.window(FILM, FILM.end), 2);
-        read(stream.window(PICK..PICK + 1, PICK), 1);
         read(coins(&stream), 1000);
         for k in (0..12).chain([125]) {
             read(shading(&stream, k), 1000);

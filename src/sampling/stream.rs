@@ -18,6 +18,8 @@ pub enum Purpose {
     Camera = 2,
     /// Pilot runs that learn about the scene.
     Pilot = 3,
+    /// Looking for light sources in mirrors and glass.
+    Glint = 4,
 }
 
 /// A scrambled sequence; [`Sequence::at`] picks one of its points.
