@@ -63,12 +63,7 @@ pub(super) struct CameraTally {
 
 impl Gather<'_> {
     /// Light through a film position, by layer.
-    pub(super) fn sample(
-        &self,
-        ray: Ray,
-        stream: &Stream,
-        tally: &mut CameraTally,
-    ) -> PixelSample {
+    pub(super) fn sample(&self, ray: Ray, stream: &Stream, tally: &mut CameraTally) -> PixelSample {
         let mut sample = PixelSample::default();
         let mut ends = 0;
         let coins = coordinates::coins(stream);

@@ -19,15 +19,15 @@ use crate::{
 };
 
 /// Rays of the pilot through every pixel.
-pub(super) const PILOT_RAYS: u64 = 4;
+pub(super) const PILOT_RAYS: u64 = 8;
 
 /// Rays that look for sources through a chosen pixel in every pass. A power
 /// of two: they and those of later rounds are then whole nets of the pixel.
-pub(super) const RAYS: u64 = 16;
+pub(super) const RAYS: u64 = 4;
 
 /// How near is near: within so many radii of the source's bounding sphere.
-/// The disc that is looked for has sixteen times the area.
-const NEAR: f64 = 4.0;
+/// The disc that is looked for has nine times the area.
+const NEAR: f64 = 3.0;
 
 /// What can glint, or rather the surroundings of it.
 #[derive(Clone, Debug)]
@@ -53,10 +53,7 @@ impl Glints {
                     let sin = (NEAR * sun.sin_half).min(1.0);
                     glints.suns.push((-sun.axis, (1.0 - sin * sin).sqrt()));
                 }
-            } else if let Some(s) = light
-                .instance
-                .and_then(|i| scene.world.instance_sphere(i))
-            {
+            } else if let Some(s) = light.instance.and_then(|i| scene.world.instance_sphere(i)) {
                 glints.spheres.push((s.center, NEAR * s.radius));
             }
         }

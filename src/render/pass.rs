@@ -241,9 +241,9 @@ impl<'a> Renderer<'a> {
 
     /// The ray of a stream through a pixel.
     fn ray(&self, px: u32, py: u32, stream: &Stream) -> Ray {
-        let [u, v] = coordinates::film(stream);
+        let [x, y] = self.scene.filter.place(coordinates::film(stream));
         self.camera
-            .ray(DVec2::new(f64::from(px) + u, f64::from(py) + v))
+            .ray(DVec2::new(f64::from(px) + x, f64::from(py) + y))
     }
 
     /// Pixels of the window in which sources may glint.
