@@ -7,6 +7,9 @@ use super::{
     sobol::{shuffled, sobol_owen},
 };
 
+/// Coordinates of a stream with low discrepancy; later ones are hashed.
+pub const LOW_DISCREPANCY: u32 = 4 * DIMENSIONS as u32;
+
 /// What a sequence of samples is used for; part of the address, so that no
 /// two uses share numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -67,8 +70,10 @@ impl Sequence {
 
 /// One point of a sequence, read coordinate by coordinate.
 ///
-/// The first 64 dimensions are those of one Owen-scrambled Sobol point; later
-/// ones are plain hashed numbers, since low-discrepancy gains nothing there.
+/// The first 64 dimensions are four Owen-scrambled Sobol points of 16
+/// dimensions, each point of the sequence in an order of its own but for the
+/// first ("padding": Burley 2020, section 5). Later ones are plain hashed
+/// numbers, since low-discrepancy gains nothing there.
 #[derive(Clone, Copy, Debug)]
 pub struct Stream {
     key: u64,
@@ -91,8 +96,14 @@ impl Stream {
         let seed = mix(self
             .key
             .wrapping_add(u64::from(d).wrapping_mul(0x9e37_79b9_7f4a_7c15)));
-        if (d as usize) < DIMENSIONS {
-            sobol_owen(self.index, d as usize, (seed >> 32) as u32)
+        if d < LOW_DISCREPANCY {
+            let (block, d) = (d as usize / DIMENSIONS, d as usize % DIMENSIONS);
+            let index = if block == 0 {
+                self.index
+            } else {
+                shuffled(self.index, mix(self.key ^ block as u64) as u32)
+            };
+            sobol_owen(index, d, (seed >> 32) as u32)
         } else {
             // The top 53 bits, so that the number stays below 1.
             (mix2(seed, self.path) >> 11) as f64 * (1.0 / 9_007_199_254_740_992.0)
