@@ -6,11 +6,14 @@
 //! decides only how many passes run.
 
 mod camera_walk;
+mod coordinates;
 mod driver;
+mod glints;
 mod memory;
 mod pass;
 mod report;
 mod schedule;
+mod view;
 
 pub use driver::{Job, Outcome, Progress, run};
 pub use memory::TooLarge;

@@ -5,16 +5,20 @@ use glam::DVec2;
 use rayon::prelude::*;
 
 use crate::{
-    film::PixelSample,
+    film::{Layer, PixelSample},
+    geometry::Ray,
     photon::{Emitter, PhotonMap, Shot, Tally, shoot},
     plan::Plan,
-    sampling::{Purpose, Sequence},
+    sampling::{Purpose, Sequence, Stream},
     scene::{Scene, Settings},
+    spectrum::Rgb,
     transport::{Context, LightPicker},
 };
 
 use super::{
     camera_walk::{CameraTally, Gather},
+    coordinates,
+    glints::{self, Glints},
     memory::{FEWEST_PHOTONS, photon_budget},
     schedule::{REPLICATES, Schedule},
 };
@@ -48,6 +52,8 @@ pub struct Renderer<'a> {
     camera: crate::camera::Camera,
     crop: [u32; 4],
     photons: u64,
+    /// Per pixel of the window: whether sources may glint there.
+    glinting: Vec<bool>,
 }
 
 /// What a pass delivers.
@@ -101,8 +107,10 @@ impl<'a> Renderer<'a> {
             camera: scene.camera.with_resolution(resolution),
             crop,
             photons: 0,
+            glinting: Vec::new(),
             plan,
         };
+        renderer.glinting = renderer.find_glints();
         if renderer.emitter.is_some() {
             renderer.photons = renderer.photon_paths();
         }
@@ -223,10 +231,10 @@ impl<'a> Renderer<'a> {
         let [width, height] = self.resolution.map(f64::from);
         let mut tally = CameraTally::default();
         for i in 0..PILOT_SAMPLES {
-            let mut stream = camera.at(u64::from(i));
-            let [u, v] = stream.next_2d();
+            let stream = camera.at(u64::from(i));
+            let [u, v] = coordinates::film(&stream);
             let film = DVec2::new(u * width, v * height);
-            gather.sample(self.camera.ray(film), &mut stream, &mut tally);
+            gather.sample(self.camera.ray(film), &stream, &mut tally);
         }
         tally.visited as f64 / f64::from(PILOT_SAMPLES)
     }
@@ -239,6 +247,36 @@ impl<'a> Renderer<'a> {
             scale: self.schedule.scale(round),
             footprint: self.camera.pixel_footprint(),
         }
+    }
+
+    /// The number of a pixel in the whole picture, so that a crop shows the
+    /// same samples.
+    fn item(&self, px: u32, py: u32) -> u64 {
+        u64::from(py) * u64::from(self.resolution[0]) + u64::from(px)
+    }
+
+    /// The ray of a stream through a pixel.
+    fn ray(&self, px: u32, py: u32, stream: &Stream) -> Ray {
+        let [x, y] = self.scene.filter.place(coordinates::film(stream));
+        self.camera
+            .ray(DVec2::new(f64::from(px) + x, f64::from(py) + y))
+    }
+
+    /// Pixels of the window in which sources may glint.
+    fn find_glints(&self) -> Vec<bool> {
+        let [x0, y0, width, height] = self.crop;
+        let Some(glints) = Glints::new(self.scene) else {
+            return vec![false; width as usize * height as usize];
+        };
+        let gather = self.gatherer(None, 0);
+        let pixel = |i: u32| {
+            let (px, py) = (x0 + i % width, y0 + i / width);
+            (0..glints::PILOT_RAYS).any(|j| {
+                let stream = glints::pilot_stream(self.settings.seed, self.item(px, py), j);
+                gather.passes_near(&glints, self.ray(px, py, &stream), &stream)
+            })
+        };
+        (0..width * height).into_par_iter().map(pixel).collect()
     }
 
     /// The camera half of a pass: one sample a pixel, rows in parallel.
@@ -256,15 +294,23 @@ impl<'a> Renderer<'a> {
                 let row = (0..width)
                     .map(|x| {
                         let (px, py) = (x0 + x, y0 + y);
-                        // The pixel's number in the whole picture, so that a
-                        // crop shows the same samples.
-                        let item = u64::from(py) * u64::from(self.resolution[0]) + u64::from(px);
-                        let mut stream =
+                        let item = self.item(px, py);
+                        let stream =
                             Sequence::new(self.settings.seed, Purpose::Camera, replicate, item)
                                 .at_own_order(u64::from(round));
-                        let [u, v] = stream.next_2d();
-                        let film = DVec2::new(f64::from(px) + u, f64::from(py) + v);
-                        gather.sample(self.camera.ray(film), &mut stream, &mut tally)
+                        let ray = self.ray(px, py, &stream);
+                        let mut sample = gather.sample(ray, &stream, &mut tally);
+                        if self.glinting[(y * width + x) as usize] {
+                            let seen = (0..glints::RAYS).map(|j| {
+                                let seed = self.settings.seed;
+                                let stream = glints::stream(seed, replicate, item, round, j);
+                                let ray = self.ray(px, py, &stream);
+                                gather.sources(ray, &stream, &mut tally)
+                            });
+                            let sum = seen.fold(Rgb::BLACK, |a, b| a + b);
+                            sample[Layer::Emission] = sum / glints::RAYS as f64;
+                        }
+                        sample
                     })
                     .collect();
                 (row, tally)

@@ -15,4 +15,4 @@ pub mod warp;
 pub use discrete::Discrete;
 pub use hash::{mix, mix2};
 pub use sobol::{DIMENSIONS, sobol, sobol_owen};
-pub use stream::{Purpose, Sequence, Stream};
+pub use stream::{LOW_DISCREPANCY, Purpose, Sequence, Stream};

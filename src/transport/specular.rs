@@ -34,6 +34,9 @@ pub struct Lobe {
     pub weight: Rgb,
     /// The part of `weight` that is due to shading normals (1 without).
     pub shading: f64,
+    /// The part of `weight` that is due to the change of index (1 for flux):
+    /// radiance scales by it, and no light is lost.
+    pub index: f64,
     /// How the direction came about.
     pub bend: Bend,
 }
@@ -140,6 +143,7 @@ fn straight(d: DVec3, share: f64) -> Lobe {
         weight: Rgb::WHITE,
         shading: 1.0,
         bend: Bend::Straight,
+        index: 1.0,
     }
 }
 
@@ -162,6 +166,7 @@ fn reflected(point: &SurfacePoint, ng: DVec3, ns: DVec3, d: DVec3, carried: Carr
             n,
             turn: turn(point, n),
         },
+        index: 1.0,
     }
 }
 
@@ -221,15 +226,15 @@ fn interface(point: &SurfacePoint, d: DVec3, ior: f64, carried: Carried) -> Lobe
             continue;
         }
         let shading = shading_factor(ng, ns, d, w, carried);
-        let scale = if carried == Carried::Radiance {
-            1.0 / (eta * eta)
-        } else {
-            shading
+        let index = match carried {
+            Carried::Radiance => 1.0 / (eta * eta),
+            Carried::Flux => 1.0,
         };
         let refracted = Lobe {
             dir: w,
             share: transmittance,
-            weight: Rgb::grey(scale),
+            // A radiance has no shading factor, a flux no index factor.
+            weight: Rgb::grey(index * shading),
             shading,
             bend: Bend::Refract {
                 n: ns,
@@ -237,6 +242,7 @@ fn interface(point: &SurfacePoint, d: DVec3, ior: f64, carried: Carried) -> Lobe
                 eta,
                 cos_t,
             },
+            index,
         };
         let mirror = reflected(point, ng, ns, d, carried);
         return Lobes::Two(
