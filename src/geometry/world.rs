@@ -141,7 +141,7 @@ impl World {
     /// smaller of its `t` and `t_max`.
     #[allow(
         clippy::inline_always,
-        reason = "one call per ray and instance; a hit in registers is a quarter cheaper"
+        reason = "one call per ray and instance; the hit stays in registers"
     )]
     #[inline(always)]
     fn nearer(&self, instance: u32, ray: &Ray, t_max: f64, best: &mut Option<Hit>) -> f64 {

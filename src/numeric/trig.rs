@@ -48,7 +48,7 @@ const fn reciprocal_factorials<const N: usize>(first: u64) -> [f64; N] {
             factorial *= i;
             i += 1;
         }
-        let sign = if n / 2 % 2 == 0 { 1.0 } else { -1.0 };
+        let sign = if (n / 2).is_multiple_of(2) { 1.0 } else { -1.0 };
         // Exact up to 18!, as products with many factors of two.
         terms[k] = sign / factorial as f64;
         k += 1;

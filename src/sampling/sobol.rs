@@ -21,6 +21,10 @@ const GROUP: usize = 4;
 /// dimensions share a few cache lines.
 static GROUPS: [[[u32; 1 << GROUP]; 32 / GROUP]; DIMENSIONS] = groups();
 
+#[allow(
+    clippy::large_stack_arrays,
+    reason = "evaluated when compiling: it is never on a stack"
+)]
 const fn groups() -> [[[u32; 1 << GROUP]; 32 / GROUP]; DIMENSIONS] {
     let directions = directions();
     let mut table = [[[0u32; 1 << GROUP]; 32 / GROUP]; DIMENSIONS];

@@ -88,7 +88,7 @@ impl Stream {
     /// The next coordinate, in `[0, 1)`.
     #[allow(
         clippy::inline_always,
-        reason = "where the dimension is known, a quarter of the work is done at compile time"
+        reason = "where the dimension is known, a part of the work is done when compiling"
     )]
     #[inline(always)]
     pub fn next_1d(&mut self) -> f64 {
