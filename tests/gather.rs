@@ -21,7 +21,7 @@ const KERNELS: Kernels = Kernels {
     blind: 0.1,
     caustics: true,
 };
-const PATHS: u64 = 1 << 19;
+const PATHS: u64 = 1 << 17;
 
 /// A floor, and on it a wall along the y axis unless there is none.
 fn scene(wall: &str) -> Scene {
@@ -42,13 +42,15 @@ fn half_lit() -> PhotonMap {
     let sequence = Sequence::new(11, Purpose::Pilot, 0, 0);
     let photons: Vec<Photon> = (0..PATHS)
         .map(|i| {
-            let [x, y] = sequence.at(i).next_2d();
+            let mut s = sequence.at(i);
+            let [x, y] = s.next_2d();
+            let kind = (5.0 * s.next_1d()) as usize;
             Photon {
                 // Off the wall by more than the rounding of stored places.
                 position: DVec3::new(x.max(1e-6), 2.0 * y - 1.0, 0.0),
                 normal: DVec3::Z,
                 flux: Rgb::grey(2.0),
-                footprint: [None, long(0.0), long(0.8), long(1.6), long(2.4)][(i % 5) as usize],
+                footprint: [None, long(0.0), long(0.8), long(1.6), long(2.4)][kind],
                 // A whole block of the sequence: as even as all of it.
                 bounced: i < PATHS / 4,
             }
