@@ -6,7 +6,7 @@ use crate::{
     geometry::{BoundingSphere, Ray, SurfaceId},
     light::Light,
     numeric::U,
-    sampling::{Discrete, Sequence},
+    sampling::{Discrete, GUIDE_DIMENSIONS, Guide, Guided, Sequence},
     spectrum::Rgb,
     transport::{Context, Differential},
 };
@@ -34,8 +34,12 @@ pub struct Aim {
     /// The body from which photons start, for glowing shapes.
     body: Option<u32>,
     targets: Vec<Target>,
+    /// Estimated power towards each target, W.
+    powers: Vec<f64>,
+    /// Which target; `None` if there is none.
     choice: Option<Discrete>,
-    power: f64,
+    /// Where in each target's part starts are wanted, if that is known.
+    guides: Vec<Option<Guide>>,
 }
 
 /// The start of a photon from one light.
@@ -44,6 +48,10 @@ pub(super) struct Launch {
     /// Emission over density; black if the start does not count.
     pub(super) flux: Rgb,
     pub(super) differential: Differential,
+    /// Index of the target.
+    pub(super) target: u32,
+    /// The sample from which the start was drawn.
+    pub(super) at: [f64; GUIDE_DIMENSIONS],
 }
 
 impl Aim {
@@ -58,17 +66,48 @@ impl Aim {
             light: named.light.clone(),
             body: named.instance,
             choice: Discrete::new(&powers),
-            power: powers.iter().sum(),
+            guides: vec![None; targets.len()],
+            powers,
             targets,
         }
+    }
+
+    /// The same, with shares and guides of its own for the targets. A target
+    /// for which there is no guide keeps the one it has.
+    pub(super) fn taught(&self, shares: &[f64], guides: Vec<Option<Guide>>) -> Self {
+        let mut aim = self.clone();
+        aim.choice = Discrete::new(shares);
+        for (old, new) in aim.guides.iter_mut().zip(guides) {
+            *old = new.or(old.take());
+        }
+        aim
     }
 
     /// Estimated power sent towards casters, in W, on the safe side.
     pub fn power_estimate(&self) -> f64 {
         if self.choice.is_some() {
-            self.power
+            self.powers.iter().sum()
         } else {
             0.0
+        }
+    }
+
+    /// That power for each target.
+    pub(super) fn powers(&self) -> &[f64] {
+        &self.powers
+    }
+
+    /// Part of the light's paths that go towards a target.
+    pub(super) fn share(&self, target: usize) -> f64 {
+        self.choice.as_ref().map_or(0.0, |c| c.probability(target))
+    }
+
+    /// Number of coordinates on which a start depends.
+    pub(super) fn dimensions(&self) -> usize {
+        if self.light.has_extent() {
+            GUIDE_DIMENSIONS
+        } else {
+            GUIDE_DIMENSIONS / 2
         }
     }
 
@@ -80,16 +119,25 @@ impl Aim {
         dir: [f64; 2],
         point: [f64; 2],
     ) -> Launch {
+        let even = [dir[0], dir[1], point[0], point[1]];
         let Some(choice) = &self.choice else {
             return Launch {
                 ray: Ray::new(DVec3::ZERO, DVec3::Z),
                 flux: Rgb::BLACK,
                 differential: Differential::new(),
+                target: 0,
+                at: even,
             };
         };
         let (k, _) = choice.sample(u);
         let chance = choice.probability(k);
-        let mut start = domain::draw(&self.light, self.targets[k], dir, point);
+        let guided = match &self.guides[k] {
+            Some(guide) => guide.warp(even),
+            None => Guided::even(even),
+        };
+        let [a, b, c, d] = guided.at;
+        let mut start = domain::draw(&self.light, self.targets[k], [a, b], [c, d]);
+        start.stretch(&guided);
         let counts = belongs(&self.light, &self.targets[..k], &start);
         let mut shaded = false;
         if let Light::Sun(_) = self.light {
@@ -114,6 +162,8 @@ impl Aim {
                 Rgb::BLACK
             },
             differential,
+            target: k as u32,
+            at: guided.at,
         }
     }
 

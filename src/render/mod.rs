@@ -7,8 +7,10 @@
 
 mod camera_walk;
 mod driver;
+mod importance;
 mod memory;
 mod pass;
+mod pilot;
 mod report;
 mod schedule;
 

@@ -1,0 +1,169 @@
+//! How much a photon matters to the picture, by where it lands.
+//!
+//! The error of a pixel is seen relative to its light `L`: what counts is
+//! the squared error over `L^2 + 0.01 mean(L)^2`. Irradiance `e` at a point that
+//! a camera path of throughput `t` (reflectance over pi included) reaches adds
+//! `t e`, so an error of `e` there weighs `t^2 / (L^2 + 0.01 mean^2)`. Camera
+//! paths leave that weight at the points they reach; its density per area is
+//! the *importance* (P. Christensen, *Adjoints and Importance in Rendering: an
+//! Overview*, 2003), found like irradiance.
+
+use std::f64::consts::FRAC_1_PI;
+
+use glam::{DVec2, DVec3};
+
+use crate::{
+    camera::{Camera, Footprint},
+    geometry::Ray,
+    material::Material,
+    numeric::Frame,
+    photon::{Photon, PhotonMap},
+    sampling::{Stream, warp},
+    spectrum::Rgb,
+    transport::{Context, DiffusePoint, End, Walker},
+};
+
+/// Radius of the kernel in mean distances between neighbouring camera paths:
+/// it holds about a dozen.
+const SPACINGS: f64 = 2.0;
+
+/// Points that a camera path reached, not yet weighed against their pixel: the
+/// weight is `t^2`.
+pub(super) type Reached = [Option<Photon>; 2];
+
+/// Follows a camera ray to the first diffuse surface, where all photons are
+/// looked up, and on to the next one, where those that bounced are.
+pub(super) fn reach(ctx: &Context<'_>, ray: Ray, stream: &mut Stream) -> Reached {
+    let mut reached = [None; 2];
+    let mut path = Walker::new(ray);
+    for (i, place) in reached.iter_mut().enumerate() {
+        let End::Surface {
+            point,
+            material: Material::Diffuse { reflectance },
+        } = path.walk(ctx, stream, 0, &mut |_, _| {})
+        else {
+            break;
+        };
+        let at = DiffusePoint::new(point, path.ray.dir, reflectance);
+        path.throughput *= reflectance;
+        let t = path.throughput.mean() * FRAC_1_PI;
+        *place = Some(Photon {
+            position: point.p,
+            normal: at.ng,
+            flux: Rgb::grey(t * t),
+            bounced: i > 0,
+        });
+        let local = warp::cosine_hemisphere(stream.next_2d());
+        let dir = Frame::around(at.ns).to_world(local).normalize();
+        if !ctx.plan.indirect || dir.dot(at.ng) <= 0.0 {
+            break;
+        }
+        path.ray = point.spawn(dir);
+    }
+    reached
+}
+
+/// Light of the picture, averaged over blocks of pixels.
+pub(super) struct Blocks {
+    /// Blocks across.
+    across: usize,
+    /// Side of a block in pixels.
+    side: f64,
+    /// Sum of the light found and number of samples.
+    sums: Vec<(f64, u32)>,
+}
+
+impl Blocks {
+    /// Samples per block.
+    const SAMPLES: f64 = 16.0;
+
+    /// Blocks for so many samples over a picture of so many pixels.
+    pub(super) fn new(resolution: [u32; 2], samples: u64) -> Self {
+        let [w, h] = resolution.map(f64::from);
+        let side = (Self::SAMPLES * w * h / samples as f64).sqrt().max(1.0);
+        let across = (w / side).ceil().max(1.0) as usize;
+        let down = (h / side).ceil().max(1.0) as usize;
+        Self {
+            across,
+            side,
+            sums: vec![(0.0, 0); across * down],
+        }
+    }
+
+    fn index(&self, film: DVec2) -> usize {
+        let [x, y] = [film.x, film.y].map(|v| (v / self.side) as usize);
+        (y * self.across + x.min(self.across - 1)).min(self.sums.len() - 1)
+    }
+
+    /// Adds a sample, if it is finite.
+    pub(super) fn add(&mut self, film: DVec2, light: f64) {
+        let i = self.index(film);
+        if light.is_finite() {
+            self.sums[i].0 += light;
+            self.sums[i].1 += 1;
+        }
+    }
+
+    /// The weights `1 / (L^2 + 0.01 mean^2)` by which errors are seen, as a
+    /// function of the place; 1 everywhere in a black picture.
+    pub(super) fn sight(&self) -> impl Fn(DVec2) -> f64 + '_ {
+        let (sum, count) = self
+            .sums
+            .iter()
+            .fold((0.0, 0), |(s, n), (light, k)| (s + light, n + k));
+        let mean = sum / f64::from(count.max(1));
+        move |film| {
+            let (light, k) = self.sums[self.index(film)];
+            let own = light / f64::from(k.max(1));
+            let squared = own * own + 0.01 * mean * mean;
+            if squared > 0.0 { 1.0 / squared } else { 1.0 }
+        }
+    }
+}
+
+/// Importance of a picture, ready to be asked.
+pub(super) struct Importance {
+    map: PhotonMap,
+    /// Where the view starts, for the distance of a point.
+    eye: DVec3,
+    /// Width of the kernel's radius at a distance.
+    radius: Footprint,
+}
+
+impl Importance {
+    /// Of weighed points that `samples` camera paths over the whole picture
+    /// reached.
+    pub(super) fn new(
+        points: &[Photon],
+        samples: u64,
+        camera: &Camera,
+        resolution: [u32; 2],
+    ) -> Self {
+        let [w, h] = resolution.map(f64::from);
+        let pixel = camera.pixel_footprint();
+        let scale = SPACINGS * (w * h / samples as f64).sqrt();
+        Self {
+            map: PhotonMap::new(points, samples),
+            eye: camera.ray(DVec2::new(0.5 * w, 0.5 * h)).origin,
+            radius: Footprint {
+                width: pixel.width * scale,
+                spread: pixel.spread * scale,
+            },
+        }
+    }
+
+    /// Importance per m2 where a photon landed, for light of its kind.
+    pub(super) fn of(&self, photon: &Photon) -> f64 {
+        let distance = self.eye.distance(photon.position);
+        let radius = self.radius.width + self.radius.spread * distance;
+        let found = self
+            .map
+            .irradiance(photon.position, photon.normal, radius, |_| true);
+        let all = if photon.bounced {
+            found.irradiance + found.bounced
+        } else {
+            found.irradiance
+        };
+        all.mean()
+    }
+}
