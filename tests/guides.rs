@@ -6,7 +6,7 @@ mod common;
 use common::{Estimate, renderer, scene, scene_of};
 use glam::DVec3;
 use nephroid::{
-    photon::{Emitter, Photon, shoot},
+    photon::{Emitter, Photon, Rehearsal, shoot},
     render::{REPLICATES, Renderer},
     sampling::{Purpose, Sequence},
     scene::Scene,
@@ -38,25 +38,29 @@ fn arriving(
 
 /// Asserts that at least `times` as many photons arrive where they are seen
 /// once the emitter was taught, that their power is the same within four
-/// standard errors, and that it is known better.
+/// standard errors, and that it is known four times better.
 fn assert_guided(scene: &Scene, times: u64, what: &str, seen: impl Fn(&Photon) -> bool) {
     let renderer = renderer(scene);
     let plain = renderer.emitter().expect("casters");
     let guided = renderer.emitter_of(0).expect("casters");
     let (few, rough) = arriving(&renderer, plain, &seen);
     let (many, fine) = arriving(&renderer, guided, &seen);
-    println!("{what}: {few} -> {many}, {rough:?} -> {fine:?}");
     assert!(
         many >= times * few,
         "{what}: {few} photons unguided, {many} guided"
     );
-    let error = rough.error.hypot(fine.error);
+    // What the next epoch has learned is another distribution: a bias would
+    // differ, and here both errors are small.
+    let next = renderer.emitter_of(2).expect("casters");
+    let (_, other) = arriving(&renderer, next, &seen);
+    for e in [rough, other] {
+        assert!(
+            (e.mean - fine.mean).abs() < 4.0 * e.error.hypot(fine.error),
+            "{what}: {fine:?} W guided, {e:?} otherwise"
+        );
+    }
     assert!(
-        (rough.mean - fine.mean).abs() < 4.0 * error,
-        "{what}: {rough:?} W unguided, {fine:?} guided"
-    );
-    assert!(
-        fine.error < 0.5 * rough.error,
+        fine.error < 0.25 * rough.error,
         "{what}: {rough:?} W unguided, {fine:?} guided: no better"
     );
 }
@@ -68,7 +72,7 @@ fn near(photon: &Photon, center: DVec3, radius: f64) -> bool {
 /// A glass ball of 10 cm on the ground of a stadium, among polished steel
 /// balls that take nearly all the light that is aimed.
 fn stadium() -> Scene {
-    let steel: String = (0..12)
+    let steel: Vec<String> = (0..12)
         .map(|i| {
             let (sin, cos) = (f64::from(i) * std::f64::consts::TAU / 12.0).sin_cos();
             format!(
@@ -78,6 +82,7 @@ fn stadium() -> Scene {
             )
         })
         .collect();
+    let steel = steel.concat();
     scene_of(
         "eye: (0.5, -1.5, 1), look_at: (0, 0, 0), up: (0, 0, 1), fov: 30",
         [128, 128],
@@ -92,8 +97,8 @@ fn stadium() -> Scene {
 
 #[test]
 fn a_small_glass_in_a_stadium() {
-    let seen = |p: &Photon| near(p, DVec3::ZERO, 0.4);
-    assert_guided(&stadium(), 100, "stadium", seen);
+    let seen = |p: &Photon| near(p, DVec3::new(-0.05, -0.05, 0.0), 0.09);
+    assert_guided(&stadium(), 1000, "stadium", seen);
 }
 
 /// Fifty rooms in a row, each with a lamp and a glass ball; the camera sees
@@ -126,13 +131,13 @@ fn rooms() -> Scene {
 #[test]
 fn two_lamps_of_fifty() {
     let seen = |p: &Photon| near(p, DVec3::new(100.0, 0.0, 0.0), 1.5);
-    assert_guided(&rooms(), 10, "rooms", seen);
+    assert_guided(&rooms(), 100, "rooms", seen);
 }
 
 /// The sun through a hole of 5 cm in a board, onto a ball of glass a metre
 /// across.
 fn keyhole() -> Scene {
-    let board: String = [
+    let board: Vec<String> = [
         "corner: (-3, -3, 3), u: (2.975, 0, 0), v: (0, 6, 0)",
         "corner: (0.025, -3, 3), u: (2.975, 0, 0), v: (0, 6, 0)",
         "corner: (-0.025, -3, 3), u: (0.05, 0, 0), v: (0, 2.975, 0)",
@@ -141,6 +146,7 @@ fn keyhole() -> Scene {
     .iter()
     .map(|quad| format!("(shape: Quad({quad}), material: \"grey\"),"))
     .collect();
+    let board = board.concat();
     scene_of(
         "eye: (0, -2.5, 1.5), look_at: (0, 0, 0), up: (0, 0, 1), fov: 60",
         [128, 128],
@@ -155,8 +161,56 @@ fn keyhole() -> Scene {
 
 #[test]
 fn the_sun_through_a_keyhole() {
-    let seen = |p: &Photon| p.position.z < 1e-6 && near(p, DVec3::ZERO, 1.5);
-    assert_guided(&keyhole(), 20, "keyhole", seen);
+    let seen = |p: &Photon| near(p, DVec3::ZERO, 0.45);
+    assert_guided(&keyhole(), 40, "keyhole", seen);
+}
+
+/// Paths go where the score was, but for a tenth that goes by power: here all
+/// the score is with the weaker of two lamps.
+#[test]
+fn lessons_move_paths() {
+    let scene = scene_of(
+        "eye: (0, -3, 2), look_at: (0, 0, 0), up: (0, 0, 1), fov: 60",
+        [8, 8],
+        "(shape: Plane(point: (0, 0, 0), normal: (0, 0, 1)), material: \"grey\"),
+         (shape: Sphere(center: (0, 0, 1), radius: 0.5), material: \"glass\"),",
+        "Point(position: (0, 1, 4), intensity: 3), Point(position: (0, -1, 4), intensity: 1)",
+        "photons: 1",
+    );
+    let renderer = renderer(&scene);
+    let ctx = renderer.context();
+    let plain = renderer.emitter().expect("casters");
+    let sequence = Sequence::new(1, Purpose::Pilot, 0, 0);
+    let rehearsal = Rehearsal::new(&ctx, plain, sequence, 4096);
+    let mut lessons = rehearsal.lessons(|_| 1.0);
+    assert_eq!((lessons.len(), rehearsal.paths()), (4096, 4096));
+    for lesson in &mut lessons {
+        if lesson.origin.light == 0 {
+            lesson.score = 0.0;
+        }
+    }
+    let taught = plain.taught(&lessons).expect("scores");
+    let share = |emitter: &Emitter| {
+        let tally = shoot(&ctx, emitter, sequence, 0, 1 << 14).tally;
+        tally.lights[1].paths as f64 / f64::from(1 << 14)
+    };
+    // By power a quarter, within the pilot's few per cent.
+    let by_power = share(plain);
+    assert!((by_power - 0.25).abs() < 0.02, "{by_power} by power");
+    let expected = 0.9 + 0.1 * by_power;
+    let by_score = share(&taught);
+    assert!((by_score - expected).abs() < 1e-3, "{by_score}, {expected}");
+    for lesson in &mut lessons {
+        lesson.score = if lesson.origin.light == 0 {
+            0.0
+        } else {
+            f64::NAN
+        };
+    }
+    assert!(
+        plain.taught(&lessons).is_none(),
+        "nothing was worth anything"
+    );
 }
 
 /// What a render learns depends on scene, settings, seed and epoch, not on

@@ -30,7 +30,7 @@ use crate::{
 use super::emit::disc_area;
 use region::{Cone, Section, UNBOUNDED, aimed, cap, cap_area, density, directions};
 
-pub(super) use region::{Target, contains, reaches};
+pub(super) use region::{Target, contains, extent, reaches};
 
 /// A point of an emission domain.
 #[derive(Clone, Copy, Debug)]
@@ -61,9 +61,9 @@ impl Start {
             .iter_mut()
             .zip(guided.stretch.chunks_exact(2))
         {
-            for k in 0..2 {
-                pair.dp[k] *= by[k];
-                pair.dd[k] *= by[k];
+            for (k, by) in by.iter().enumerate() {
+                pair.dp[k] *= *by;
+                pair.dd[k] *= *by;
             }
         }
     }

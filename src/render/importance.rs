@@ -167,3 +167,111 @@ impl Importance {
         all.mean()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use super::*;
+    use crate::{
+        plan::Plan,
+        sampling::{Purpose, Sequence},
+        scene::load_str,
+        transport::LightPicker,
+    };
+
+    /// A camera that looks down on a square of 2 m.
+    fn above() -> Camera {
+        let (eye, up) = (DVec3::new(0.0, 0.0, 1.0), DVec3::Y);
+        Camera::orthographic(eye, DVec3::ZERO, up, 2.0, [64, 64])
+    }
+
+    /// Points of weight 3 spread evenly over 4 m2: 3/4 a square metre. Those of
+    /// reflected light count for such light alone.
+    #[test]
+    fn importance_is_weight_per_area() {
+        let sequence = Sequence::new(1, Purpose::Pilot, 0, 0);
+        let n = 1u64 << 13;
+        let photon = |p: DVec3, bounced| Photon {
+            position: p,
+            normal: DVec3::Z,
+            flux: Rgb::grey(3.0),
+            bounced,
+        };
+        let points: Vec<Photon> = (0..n)
+            .flat_map(|i| {
+                let [x, y] = sequence.at(i).next_2d().map(|u| 2.0 * u - 1.0);
+                let p = DVec3::new(x, y, 0.0);
+                [photon(p, false), photon(p, true)]
+            })
+            .collect();
+        let importance = Importance::new(&points, n, &above(), [64, 64]);
+        for (x, y) in [(0.0, 0.0), (0.5, -0.3), (-0.71, 0.2)] {
+            for (bounced, expected) in [(false, 0.75), (true, 1.5)] {
+                let found = importance.of(&photon(DVec3::new(x, y, 0.0), bounced));
+                // A dozen low-discrepancy points make up the kernel.
+                assert!(
+                    (found / expected - 1.0).abs() < 0.25,
+                    "{found}, {expected} expected at ({x}, {y})"
+                );
+            }
+        }
+        let outside = importance.of(&photon(DVec3::new(3.0, 0.0, 0.0), false));
+        assert_eq!(outside, 0.0, "not seen");
+    }
+
+    /// Light 2 in the left half, none in the right one: errors weigh as
+    /// 1 / (L^2 + 0.01).
+    #[test]
+    fn errors_are_seen_against_the_light_around() {
+        let mut blocks = Blocks::new([64, 48], 3072);
+        for y in 0..48 {
+            for x in 0..64 {
+                let light = if x < 32 { 2.0 } else { 0.0 };
+                let film = DVec2::new(f64::from(x) + 0.5, f64::from(y) + 0.5);
+                blocks.add(film, light);
+            }
+        }
+        blocks.add(DVec2::ZERO, f64::NAN);
+        let sight = blocks.sight();
+        for (film, squared) in [([3.0, 40.0], 4.0), ([60.0, 47.9], 0.0)] {
+            let expected = 1.0 / (squared + 0.01);
+            let found = sight(DVec2::from(film));
+            assert!((found / expected - 1.0).abs() < 1e-12, "{film:?}: {found}");
+        }
+        assert_eq!(Blocks::new([4, 4], 16).sight()(DVec2::ZERO), 1.0, "black");
+    }
+
+    /// Between a floor and a ceiling: the floor weighs (0.5 / pi)^2, the
+    /// ceiling (0.5 * 0.4 / pi)^2 and only for reflected light.
+    #[test]
+    fn camera_paths_reach_two_surfaces() {
+        let text = "(camera: (eye: (0, 0, 1), look_at: (0, 1, 0), up: (0, 0, 1), fov: 20),
+          image: (width: 8, height: 8),
+          materials: {\"floor\": Diffuse(reflectance: 0.5), \"ceiling\": Diffuse(reflectance: 0.4)},
+          objects: [
+            (shape: Plane(point: (0, 0, 0), normal: (0, 0, 1)), material: \"floor\"),
+            (shape: Plane(point: (0, 0, 3), normal: (0, 0, -1)), material: \"ceiling\"),
+          ],
+          lights: [Point(position: (0, 0, 2), power: 1)])";
+        let scene = load_str(text, "test.ron", Path::new("")).expect("a scene");
+        let (plan, picker) = (Plan::new(&scene, &scene.settings), LightPicker::new(&scene));
+        let ctx = Context {
+            scene: &scene,
+            plan: &plan,
+            picker: &picker,
+            max_depth: 64,
+        };
+        let sequence = Sequence::new(1, Purpose::Pilot, 0, 0);
+        for i in 0..20 {
+            let ray = scene.camera.ray(DVec2::new(4.0, 4.0));
+            let [first, second] =
+                reach(&ctx, ray, &mut sequence.at(i)).map(|p| p.expect("a surface"));
+            let weight = |r: f64| (r * FRAC_1_PI).powi(2);
+            assert!((first.flux[1] / weight(0.5) - 1.0).abs() < 1e-12);
+            assert!((second.flux[1] / weight(0.2) - 1.0).abs() < 1e-12);
+            assert_eq!((first.normal, second.normal), (DVec3::Z, DVec3::NEG_Z));
+            assert!(!first.bounced && second.bounced);
+        }
+    }
+}

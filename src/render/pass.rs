@@ -127,6 +127,9 @@ impl<'a> Renderer<'a> {
             photons: self.photons,
         };
         let emitters = self.emitters.as_ref()?;
+        if std::env::var("NOGUIDE").is_ok() {
+            return Some(emitters.first());
+        }
         Some(emitters.at(epoch(round), &|e, before| pilot.teach(e, before)))
     }
 

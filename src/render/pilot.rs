@@ -22,18 +22,22 @@ use super::{
     schedule::REPLICATES,
 };
 
-/// Epochs of a render: later rounds keep what the last one learned.
-const EPOCHS: usize = 12;
+/// Epochs of a render: later rounds keep what the last one learned. Its pilot
+/// is as large as a pilot may be.
+const EPOCHS: usize = 6;
 
 /// Work of all pilots up to an epoch, as a part of that of the passes before
 /// it (before pass 8 for the first). The rest to a twentieth is the pilots'
 /// own: building maps, asking for importance.
 const SHARE: f64 = 0.04;
 
-/// Photon paths and camera samples of a pilot: with fewer than the first
-/// number there is nothing to learn, with more than the second no need.
-const PATHS: [u64; 2] = [1 << 10, 1 << 20];
-const SAMPLES: [u64; 2] = [1 << 8, 1 << 18];
+/// With fewer photon paths there is nothing to learn. A pilot has no more than
+/// a pass, for which there is memory.
+const FEWEST_PATHS: u64 = 1 << 10;
+
+/// Camera samples of a pilot: with fewer than the first number nothing is seen
+/// well, with more than the second nothing better.
+const SAMPLES: [u64; 2] = [1 << 8, 1 << 16];
 
 /// Photon paths that cost as much as a camera sample, roughly.
 const PATHS_PER_SAMPLE: u64 = 4;
@@ -114,13 +118,7 @@ impl Pilot<'_> {
     /// the work allowed is too little to learn from, or no photon that was
     /// traced can be seen.
     pub(super) fn teach(&self, epoch: usize, before: &Emitter) -> Option<Emitter> {
-        let pixels = u64::from(self.resolution[0]) * u64::from(self.resolution[1]);
-        let size = |n: u64, [least, most]: [u64; 2]| {
-            let n = (passes(epoch) * n as f64) as u64;
-            (n >= least).then_some(n.min(most))
-        };
-        let paths = size(self.photons, PATHS)?;
-        let samples = size(pixels.max(self.photons / PATHS_PER_SAMPLE), SAMPLES)?;
+        let [paths, samples] = self.size(epoch)?;
         let number = FIRST_SEQUENCE + 3 * epoch as u32;
         let sequence = |k: u32| Sequence::new(self.seed, Purpose::Pilot, number + k, 0);
         let ctx = &self.gather.ctx;
@@ -135,6 +133,21 @@ impl Pilot<'_> {
             photon.flux.mean() * importance.of(photon).sqrt()
         });
         before.taught(&lessons)
+    }
+
+    /// Photon paths and camera samples of an epoch's pilot.
+    fn size(&self, epoch: usize) -> Option<[u64; 2]> {
+        let pixels = u64::from(self.resolution[0]) * u64::from(self.resolution[1]);
+        let part = |n: u64, least: u64, most: u64| {
+            let n = (passes(epoch) * n as f64) as u64;
+            (n >= least).then_some(n.min(most))
+        };
+        // Where photons are the work, a few more looks do not count.
+        let looks = pixels.max(self.photons / PATHS_PER_SAMPLE);
+        Some([
+            part(self.photons, FEWEST_PATHS, self.photons)?,
+            part(looks, SAMPLES[0], SAMPLES[1])?,
+        ])
     }
 
     /// Camera paths over the whole picture: the points they reach, weighed by
@@ -172,5 +185,27 @@ impl Pilot<'_> {
             })
         };
         looks.iter().flat_map(weigh).flatten().collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// An epoch begins with a round that is a power of two, and what was spent
+    /// on pilots by then is the allowed part of the passes before (of the first
+    /// round, for the first).
+    #[test]
+    fn pilots_cost_a_part_of_the_passes_before() {
+        let mut spent = 0.0;
+        for e in 0..EPOCHS {
+            spent += passes(e);
+            let first = if e == 0 { 0 } else { 1u32 << e };
+            assert_eq!(epoch(first), e);
+            assert_eq!(epoch((1 << (e + 1)) - 1), e, "until the next power of two");
+            let before = f64::from(first.max(1) * REPLICATES);
+            assert!((spent - SHARE * before).abs() < 1e-9, "epoch {e}: {spent}");
+        }
+        assert_eq!(epoch(u32::MAX), EPOCHS - 1);
     }
 }

@@ -21,6 +21,14 @@ const UNGUIDED: f64 = 0.1;
 /// Most cells.
 const MAX_LEAVES: usize = 512;
 
+/// Most cells of the tree by which samples are blurred, and the blur in widths
+/// of its cells.
+const COARSE_LEAVES: usize = 64;
+const BLUR: f64 = 1.0;
+
+/// The largest number below 1.
+const BELOW_ONE: f64 = 1.0 - f64::EPSILON / 2.0;
+
 /// Samples per cell that must have been seen for as many cells.
 const SAMPLES_PER_LEAF: usize = 4;
 
@@ -101,31 +109,80 @@ impl Guide {
     /// coordinates. `None` if all weights are zero. The result depends on the
     /// samples and their order alone.
     pub fn learn(samples: &[Weighed], dimensions: usize) -> Option<Self> {
-        let mut order: Vec<&Weighed> = samples.iter().filter(|s| s.weight > 0.0).collect();
-        if order.is_empty() {
+        let found: Vec<Weighed> = samples.iter().filter(|s| s.weight > 0.0).copied().collect();
+        if found.is_empty() {
             return None;
         }
+        let most = samples.len() / SAMPLES_PER_LEAF;
+        let coarse = Self::grow(&found, dimensions, most.min(COARSE_LEAVES), 1.0);
+        // The border of what matters is known as well as the coarse cells are
+        // small; light just beyond it must not come as a rare bright photon.
+        let blurred: Vec<Weighed> = (0u32..)
+            .zip(&found)
+            .flat_map(|(i, s)| {
+                let weight = 0.5 * s.weight;
+                let at = coarse.displaced(s.at, i);
+                [Weighed { at, weight }, Weighed { weight, ..*s }]
+            })
+            .collect();
+        Some(Self::grow(&blurred, dimensions, most.min(MAX_LEAVES), 2.0))
+    }
+
+    /// A tree of at most so many leaves. `copies` of each sample are given.
+    fn grow(samples: &[Weighed], dimensions: usize, leaves: usize, copies: f64) -> Self {
+        let mut order: Vec<&Weighed> = samples.iter().collect();
         let mut tree = Learning {
             nodes: vec![LEAF],
             splits: BinaryHeap::new(),
             dimensions: dimensions.min(GUIDE_DIMENSIONS),
+            copies,
         };
         tree.offer(&order, Cell::WHOLE);
-        let most = MAX_LEAVES.min(samples.len() / SAMPLES_PER_LEAF);
-        let mut leaves = 1;
-        while leaves < most
-            && let Some(split) = tree.splits.pop()
-        {
+        for _ in 1..leaves {
+            let Some(split) = tree.splits.pop() else {
+                break;
+            };
             tree.halve(&mut order, &split);
-            leaves += 1;
         }
-        Some(Self { nodes: tree.nodes })
+        Self { nodes: tree.nodes }
+    }
+
+    /// A point moved by up to the width of its cell along each coordinate,
+    /// point `i` of an even sequence (R. Kronecker's, with the generalised
+    /// golden ratio of M. Roberts, 2018); reflected at the border.
+    fn displaced(&self, at: [f64; GUIDE_DIMENSIONS], i: u32) -> [f64; GUIDE_DIMENSIONS] {
+        const RATIO: f64 = 1.0 / 1.167_303_978_261_418_7;
+        let width = self.widths(at);
+        let mut alpha = 1.0;
+        std::array::from_fn(|d| {
+            alpha *= RATIO;
+            let offset = 2.0 * (0.5 + alpha * f64::from(i)).fract() - 1.0;
+            let moved = (at[d] + BLUR * width[d] * offset).abs();
+            let inside = if moved < 1.0 { moved } else { 2.0 - moved };
+            inside.clamp(0.0, BELOW_ONE)
+        })
+    }
+
+    /// The widths of the cell in which a point lies.
+    fn widths(&self, at: [f64; GUIDE_DIMENSIONS]) -> [f64; GUIDE_DIMENSIONS] {
+        let mut low = [0.0; GUIDE_DIMENSIONS];
+        let mut width = [1.0; GUIDE_DIMENSIONS];
+        let mut node = &self.nodes[0];
+        while node.halves != 0 {
+            let d = usize::from(node.dimension);
+            width[d] *= 0.5;
+            let upper = at[d] >= low[d] + width[d];
+            if upper {
+                low[d] += width[d];
+            }
+            node = &self.nodes[node.halves as usize + usize::from(upper)];
+        }
+        width
     }
 
     /// Maps an even point of the cube to a point of the distribution.
     #[inline]
     pub fn warp(&self, even: [f64; GUIDE_DIMENSIONS]) -> Guided {
-        const BELOW_ONE: f64 = 1.0 - f64::EPSILON / 2.0;
         let mut u = even;
         let mut low = [0.0; GUIDE_DIMENSIONS];
         let mut width = [1.0; GUIDE_DIMENSIONS];
@@ -237,6 +294,8 @@ struct Learning {
     nodes: Vec<Node>,
     splits: BinaryHeap<Split>,
     dimensions: usize,
+    /// Copies of each sample, which are no evidence of their own.
+    copies: f64,
 }
 
 impl Learning {
@@ -250,7 +309,7 @@ impl Learning {
         let (sum, squares) = moments(samples);
         // A sum of weights has this variance; its root a quarter of it over
         // the sum, the same for small parts and large ones.
-        let chance = squares / (4.0 * sum) * (BINS - 1) as f64;
+        let chance = self.copies * squares / (4.0 * sum) * (BINS - 1) as f64;
         let best = (0..self.dimensions)
             .filter(|&d| cell.depth[d] < most)
             .map(|d| (unevenness(samples, &cell, d, sum), d))
@@ -276,7 +335,7 @@ impl Learning {
         samples.sort_by_key(|s| s.at[d] >= middle);
         let count = samples.partition_point(|s| s.at[d] < middle);
         let (sum, squares) = moments(samples);
-        let prior = PRIOR * squares / sum;
+        let prior = PRIOR * self.copies * squares / sum;
         let below = moments(&samples[..count]).0;
         let share = (below + prior) / (sum + 2.0 * prior);
         let mut halves = [*cell; 2];

@@ -72,7 +72,7 @@ fn cells_fill_the_cube_and_probabilities_add_up() {
     let cells = cells(&guide);
     assert_eq!(cells.len(), guide.leaves());
     assert!(
-        cells.len() > 50,
+        cells.len() > 30,
         "{} cells: nothing was learned",
         cells.len()
     );
