@@ -6,7 +6,7 @@ use crate::{
     geometry::{BoundingSphere, Ray, SurfaceId},
     light::Light,
     numeric::U,
-    sampling::{Discrete, Sequence},
+    sampling::{Discrete, GUIDE_DIMENSIONS, Guide, Guided, Sequence},
     spectrum::Rgb,
     transport::{Context, Differential},
 };
@@ -34,8 +34,12 @@ pub struct Aim {
     /// The body from which photons start, for glowing shapes.
     body: Option<u32>,
     targets: Vec<Target>,
+    /// Estimated power towards each target, W.
+    powers: Vec<f64>,
+    /// Which target; `None` if there is none.
     choice: Option<Discrete>,
-    power: f64,
+    /// Where in each target's part starts are wanted, if that is known.
+    guides: Vec<Option<Guide>>,
 }
 
 /// The start of a photon from one light.
@@ -44,6 +48,10 @@ pub(super) struct Launch {
     /// Emission over density; black if the start does not count.
     pub(super) flux: Rgb,
     pub(super) differential: Differential,
+    /// Index of the target.
+    pub(super) target: u32,
+    /// The sample from which the start was drawn.
+    pub(super) at: [f64; GUIDE_DIMENSIONS],
 }
 
 impl Aim {
@@ -58,17 +66,48 @@ impl Aim {
             light: named.light.clone(),
             body: named.instance,
             choice: Discrete::new(&powers),
-            power: powers.iter().sum(),
+            guides: vec![None; targets.len()],
+            powers,
             targets,
         }
+    }
+
+    /// The same, with shares and guides of its own for the targets. A target
+    /// for which there is no guide keeps the one it has.
+    pub(super) fn taught(&self, shares: &[f64], guides: Vec<Option<Guide>>) -> Self {
+        let mut aim = self.clone();
+        aim.choice = Discrete::new(shares);
+        for (old, new) in aim.guides.iter_mut().zip(guides) {
+            *old = new.or(old.take());
+        }
+        aim
     }
 
     /// Estimated power sent towards casters, in W, on the safe side.
     pub fn power_estimate(&self) -> f64 {
         if self.choice.is_some() {
-            self.power
+            self.powers.iter().sum()
         } else {
             0.0
+        }
+    }
+
+    /// That power for each target.
+    pub(super) fn powers(&self) -> &[f64] {
+        &self.powers
+    }
+
+    /// Part of the light's paths that go towards a target.
+    pub(super) fn share(&self, target: usize) -> f64 {
+        self.choice.as_ref().map_or(0.0, |c| c.probability(target))
+    }
+
+    /// Number of coordinates on which a start depends.
+    pub(super) fn dimensions(&self) -> usize {
+        if self.light.has_extent() {
+            GUIDE_DIMENSIONS
+        } else {
+            GUIDE_DIMENSIONS / 2
         }
     }
 
@@ -80,16 +119,25 @@ impl Aim {
         dir: [f64; 2],
         point: [f64; 2],
     ) -> Launch {
+        let even = [dir[0], dir[1], point[0], point[1]];
         let Some(choice) = &self.choice else {
             return Launch {
                 ray: Ray::new(DVec3::ZERO, DVec3::Z),
                 flux: Rgb::BLACK,
                 differential: Differential::new(),
+                target: 0,
+                at: even,
             };
         };
         let (k, _) = choice.sample(u);
         let chance = choice.probability(k);
-        let mut start = domain::draw(&self.light, self.targets[k], dir, point);
+        let guided = match &self.guides[k] {
+            Some(guide) => guide.warp(even),
+            None => Guided::even(even),
+        };
+        let [a, b, c, d] = guided.at;
+        let mut start = domain::draw(&self.light, self.targets[k], [a, b], [c, d]);
+        start.stretch(&guided);
         let counts = belongs(&self.light, &self.targets[..k], &start);
         let mut shaded = false;
         if let Light::Sun(_) = self.light {
@@ -114,6 +162,8 @@ impl Aim {
                 Rgb::BLACK
             },
             differential,
+            target: k as u32,
+            at: guided.at,
         }
     }
 
@@ -182,7 +232,7 @@ fn targets(ctx: &Context<'_>, light: &Light) -> Vec<Target> {
             None => unbounded = true,
         }
     }
-    let mut out: Vec<Target> = outermost(grouped(spheres))
+    let mut out: Vec<Target> = outermost(grouped(light, spheres))
         .into_iter()
         .map(Target::Sphere)
         .collect();
@@ -204,32 +254,52 @@ fn outermost(mut spheres: Vec<BoundingSphere>) -> Vec<BoundingSphere> {
         .collect()
 }
 
-/// At most [`MAX_TARGETS`] spheres that cover the given ones: halved by
-/// median along the widest axis until they are few enough.
-fn grouped(spheres: Vec<BoundingSphere>) -> Vec<BoundingSphere> {
-    let mut groups = if spheres.len() <= MAX_TARGETS {
+/// At most [`MAX_TARGETS`] spheres that cover the given ones. While there may
+/// be more groups, the one to which most of the light's domain leads is halved
+/// by median along its widest axis: near casters get targets of their own,
+/// distant ones share.
+fn grouped(light: &Light, mut spheres: Vec<BoundingSphere>) -> Vec<BoundingSphere> {
+    if spheres.len() <= MAX_TARGETS {
         return spheres;
-    } else {
-        vec![spheres]
-    };
-    while groups.len() < MAX_TARGETS {
-        let mut next = Vec::new();
-        for mut g in groups {
-            let spread = |axis: usize| {
-                let c = g.iter().map(|s| s.center[axis]);
-                c.clone().fold(f64::MIN, f64::max) - c.fold(f64::MAX, f64::min)
-            };
-            let axis = (0..3)
-                .max_by(|a, b| spread(*a).total_cmp(&spread(*b)))
-                .unwrap_or(0);
-            g.sort_by(|a, b| a.center[axis].total_cmp(&b.center[axis]));
-            let tail = g.split_off(g.len() / 2);
-            next.push(g);
-            next.push(tail);
-        }
-        groups = next;
     }
-    groups.iter().filter_map(|g| cover(g)).collect()
+    let Some(all) = cover(&spheres) else {
+        return spheres;
+    };
+    let mut groups = vec![(all, spheres.as_mut_slice())];
+    while groups.len() < MAX_TARGETS {
+        let size = |(sphere, members): &(BoundingSphere, &mut [BoundingSphere])| {
+            let single = members.len() < 2;
+            if single {
+                -1.0
+            } else {
+                domain::extent(light, sphere)
+            }
+        };
+        let widest = (0..groups.len())
+            .max_by(|&a, &b| size(&groups[a]).total_cmp(&size(&groups[b])))
+            .unwrap_or(0);
+        let (sphere, members) = groups.swap_remove(widest);
+        let (low, high) = halves(members);
+        match (cover(low), cover(high)) {
+            (Some(a), Some(b)) => groups.extend([(a, low), (b, high)]),
+            // Too few to halve.
+            _ => return groups.into_iter().map(|g| g.0).chain([sphere]).collect(),
+        }
+    }
+    groups.into_iter().map(|g| g.0).collect()
+}
+
+/// Halves spheres by the median of their centres along the widest axis.
+fn halves(group: &mut [BoundingSphere]) -> (&mut [BoundingSphere], &mut [BoundingSphere]) {
+    let spread = |axis: usize| {
+        let c = group.iter().map(|s| s.center[axis]);
+        c.clone().fold(f64::MIN, f64::max) - c.fold(f64::MAX, f64::min)
+    };
+    let axis = (0..3)
+        .max_by(|a, b| spread(*a).total_cmp(&spread(*b)))
+        .unwrap_or(0);
+    group.sort_by(|a, b| a.center[axis].total_cmp(&b.center[axis]));
+    group.split_at_mut(group.len() / 2)
 }
 
 /// A sphere around spheres, centred at the mean of their centres.
@@ -251,6 +321,37 @@ fn cover(group: &[BoundingSphere]) -> Option<BoundingSphere> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::light::PointLight;
+
+    /// Sixty balls in a row, a lamp beside one of them: few groups, which
+    /// cover all, and those next to the lamp are alone in theirs.
+    #[test]
+    fn near_casters_are_targets_of_their_own() {
+        let ball = |i: u32| BoundingSphere {
+            center: DVec3::new(4.0 * f64::from(i), 0.0, 0.0),
+            radius: 0.5,
+        };
+        let spheres: Vec<_> = (0..60).map(ball).collect();
+        let lamp = Light::Point(PointLight {
+            position: DVec3::new(4.0 * 37.0, 0.0, 2.0),
+            intensity: Rgb::WHITE,
+        });
+        let groups = grouped(&lamp, spheres.clone());
+        assert_eq!(groups.len(), MAX_TARGETS);
+        for s in &spheres {
+            let covered = |g: &BoundingSphere| {
+                s.center.distance(g.center) + s.radius <= g.radius * (1.0 + 1e-12)
+            };
+            assert!(groups.iter().any(covered), "{s:?} is not covered");
+        }
+        for i in 36..39 {
+            let own = |g: &BoundingSphere| g.center == ball(i).center && g.radius < 0.51;
+            assert!(groups.iter().any(own), "ball {i} shares its group");
+        }
+        // Twins cannot be parted, whatever their number.
+        let twins = vec![ball(0); 40];
+        assert!(grouped(&lamp, twins).len() <= MAX_TARGETS);
+    }
 
     /// Ten balls in a row, each with a smaller one inside it, and a twin: the
     /// large ones remain, once each, the smallest first.

@@ -22,7 +22,7 @@ use crate::{
     geometry::BoundingSphere,
     light::{Beam, Light, SpotLight, Sun},
     numeric::Frame,
-    sampling::warp,
+    sampling::{Guided, warp},
     spectrum::Rgb,
     transport::{Differential, Pair},
 };
@@ -30,7 +30,7 @@ use crate::{
 use super::emit::disc_area;
 use region::{Cone, Section, UNBOUNDED, aimed, cap, cap_area, density, directions};
 
-pub(super) use region::{Target, contains, reaches};
+pub(super) use region::{Target, contains, extent, reaches};
 
 /// A point of an emission domain.
 #[derive(Clone, Copy, Debug)]
@@ -51,6 +51,23 @@ pub(super) struct Start {
 }
 
 impl Start {
+    /// The same start as one that was drawn by a guide: denser, and its
+    /// neighbours nearer.
+    pub(super) fn stretch(&mut self, guided: &Guided) {
+        self.own_density *= guided.density;
+        for (pair, by) in self
+            .differential
+            .pairs_mut()
+            .iter_mut()
+            .zip(guided.stretch.chunks_exact(2))
+        {
+            for (k, by) in by.iter().enumerate() {
+                pair.dp[k] *= *by;
+                pair.dd[k] *= *by;
+            }
+        }
+    }
+
     /// The start moved back along its line, to where parallel light has met
     /// nothing of what lies in the sphere.
     pub(super) fn before(mut self, all: &BoundingSphere) -> Self {

@@ -9,7 +9,7 @@ use crate::{
     transport::{Context, Differential},
 };
 
-use super::Aim;
+use super::{Aim, Origin};
 
 /// Coordinates of a stream that an emission may use; the bounces come after.
 /// Direction first: the first two dimensions of the sequence are its best.
@@ -52,15 +52,25 @@ impl Emitter {
             .enumerate()
             .map(|(i, _)| Aim::new(ctx, i, Sequence::new(0, Purpose::Pilot, 0, i as u64)))
             .collect();
-        let weights: Vec<f64> = aims.iter().map(Aim::power_estimate).collect();
+        let powers: Vec<f64> = aims.iter().map(Aim::power_estimate).collect();
+        Self::of(aims, &powers)
+    }
+
+    /// Lights with their shares of the paths; `None` if all are zero.
+    pub(super) fn of(aims: Vec<Aim>, shares: &[f64]) -> Option<Self> {
         Some(Self {
-            choice: Discrete::new(&weights)?,
+            choice: Discrete::new(shares)?,
             aims,
         })
     }
 
     /// The start of the path that the stream stands for.
     pub fn emit(&self, ctx: &Context<'_>, stream: &mut Stream) -> Emission {
+        self.emit_from(ctx, stream).0
+    }
+
+    /// [`emit`](Self::emit), and where in the emission the start lies.
+    pub(super) fn emit_from(&self, ctx: &Context<'_>, stream: &mut Stream) -> (Emission, Origin) {
         let direction = stream.next_2d();
         let point = stream.next_2d();
         let (light, _) = self.choice.sample(stream.next_1d());
@@ -71,12 +81,23 @@ impl Emitter {
         differential.chance *= chance;
         differential.bound(0, direction);
         differential.bound(1, point);
-        Emission {
+        let emission = Emission {
             ray: launch.ray,
             flux: launch.flux / chance,
             light: light as u32,
             differential,
-        }
+        };
+        let origin = Origin {
+            light: light as u32,
+            target: launch.target,
+            at: launch.at,
+        };
+        (emission, origin)
+    }
+
+    /// Part of the paths that start from a light towards one of its targets.
+    pub(super) fn share(&self, light: usize, target: usize) -> f64 {
+        self.choice.probability(light) * self.aims[light].share(target)
     }
 
     /// How the lights are aimed, in the order of the scene's lights.

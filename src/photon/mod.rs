@@ -7,13 +7,15 @@
 //! builds the tree (the only file that knows the kd-tree crate) and answers
 //! density queries, which [`gather`] asks with regard to the walls around. Flux
 //! is in W and already divided by every probability; division by the number of
-//! emitted paths happens once, in the estimate.
+//! emitted paths happens once, in the estimate. A [`Rehearsal`] teaches an
+//! emitter where photons are needed.
 
 mod aim;
 mod domain;
 mod emit;
 mod footprint;
 mod gather;
+mod guide;
 mod map;
 mod shoot;
 mod tally;
@@ -23,6 +25,7 @@ pub use aim::Aim;
 pub use emit::{Emission, Emitter};
 pub use footprint::Footprint;
 pub use gather::{Kernels, gather};
+pub use guide::{Lesson, Origin, Rehearsal};
 pub use map::{BYTES_PER_PHOTON, Ellipse, Gathered, PhotonMap, Query};
 pub use shoot::{Shot, shoot};
 pub use tally::{LightTally, Tally};

@@ -20,6 +20,7 @@ use super::{
     coordinates,
     glints::{self, Glints},
     memory::{FEWEST_PHOTONS, photon_budget},
+    pilot::{Epochs, Pilot, epoch},
     schedule::{REPLICATES, Schedule},
 };
 
@@ -46,7 +47,7 @@ pub struct Renderer<'a> {
     settings: Settings,
     plan: Plan,
     picker: LightPicker,
-    emitter: Option<Emitter>,
+    emitters: Option<Epochs>,
     schedule: Schedule,
     resolution: [u32; 2],
     camera: crate::camera::Camera,
@@ -96,12 +97,12 @@ impl<'a> Renderer<'a> {
             picker: &picker,
             max_depth: settings.max_depth,
         };
-        let emitter = Emitter::new(&ctx);
+        let emitters = Emitter::new(&ctx).map(Epochs::new);
         let mut renderer = Self {
             scene,
             settings: settings.clone(),
             picker,
-            emitter,
+            emitters,
             schedule: Schedule::new(settings.radius),
             resolution,
             camera: scene.camera.with_resolution(resolution),
@@ -111,7 +112,7 @@ impl<'a> Renderer<'a> {
             plan,
         };
         renderer.glinting = renderer.find_glints();
-        if renderer.emitter.is_some() {
+        if renderer.emitters.is_some() {
             renderer.photons = renderer.photon_paths();
         }
         renderer
@@ -122,9 +123,29 @@ impl<'a> Renderer<'a> {
         &self.plan
     }
 
-    /// How photons are launched; `None` where there are none.
+    /// How photons are launched before anything is learned about the picture;
+    /// `None` where there are none.
     pub fn emitter(&self) -> Option<&Emitter> {
-        self.emitter.as_ref()
+        self.emitters.as_ref().map(Epochs::first)
+    }
+
+    /// How the photons of a round are launched. Pilots teach the emitter where
+    /// photons are needed; they run when a round that needs them is asked for.
+    pub fn emitter_of(&self, round: u32) -> Option<&Emitter> {
+        let pilot = Pilot {
+            // Whichever round of an epoch asks first.
+            gather: self.gatherer(None, 0),
+            camera: &self.camera,
+            resolution: self.resolution,
+            seed: self.settings.seed,
+            photons: self.photons,
+            shrink: self.schedule.scale(0) / NATURAL_SCALE,
+        };
+        let emitters = self.emitters.as_ref()?;
+        if std::env::var("NOGUIDE").is_ok() {
+            return Some(emitters.first());
+        }
+        Some(emitters.at(epoch(round), &|e, before| pilot.teach(e, before)))
     }
 
     /// Photon paths of a pass.
@@ -180,7 +201,7 @@ impl<'a> Renderer<'a> {
 
     /// The photon half of a pass.
     pub fn shoot(&self, round: u32, replicate: u32) -> Shot {
-        let Some(emitter) = &self.emitter else {
+        let Some(emitter) = self.emitter_of(round) else {
             return Shot {
                 tally: Tally::new(self.scene.lights.len()),
                 ..Shot::default()
@@ -220,7 +241,7 @@ impl<'a> Renderer<'a> {
     /// Photons looked at per camera sample when the pilot's photons are in
     /// the map.
     fn pilot_visits(&self) -> f64 {
-        let Some(emitter) = &self.emitter else {
+        let Some(emitter) = self.emitter() else {
             return 0.0;
         };
         let photons = Sequence::new(self.settings.seed, Purpose::Pilot, 2, 0);

@@ -1,4 +1,5 @@
-//! Addressed low-discrepancy samples, warps with their pdfs, discrete tables.
+//! Addressed low-discrepancy samples, warps with their pdfs, discrete tables,
+//! learned distributions.
 //!
 //! Contract: a sample is a pure function of an address (seed, stream, index,
 //! dimension); there is no generator state and nothing depends on which
@@ -6,6 +7,7 @@
 //! measure of it.
 
 mod discrete;
+mod guide;
 mod hash;
 mod joe_kuo;
 mod sobol;
@@ -13,6 +15,7 @@ mod stream;
 pub mod warp;
 
 pub use discrete::Discrete;
+pub use guide::{GUIDE_DIMENSIONS, Guide, Guided, Weighed};
 pub use hash::{mix, mix2};
 pub use sobol::{DIMENSIONS, sobol, sobol_owen};
 pub use stream::{LOW_DISCREPANCY, Purpose, Sequence, Stream};

@@ -190,6 +190,20 @@ pub(in crate::photon) fn reaches(light: &Light, sphere: &BoundingSphere) -> bool
     }
 }
 
+/// How much of the light's domain leads to a sphere, in a unit that is the same
+/// for all spheres.
+pub(in crate::photon) fn extent(light: &Light, sphere: &BoundingSphere) -> f64 {
+    let cone = |p: DVec3| Cone::to(sphere, p).map_or(Cone::WHOLE.q, |c| c.q);
+    match light {
+        Light::Point(l) => cone(l.position),
+        Light::Spot(l) => cone(l.position),
+        Light::Sphere(l) => cone(l.center),
+        Light::Quad(l) => cone(l.point([0.5; 2])),
+        Light::Disc(l) => cone(l.center),
+        Light::Beam(_) | Light::Sun(_) => sphere.radius * sphere.radius,
+    }
+}
+
 /// Density per solid angle of directions drawn from a cone.
 pub(super) fn density(cone: &Cone) -> f64 {
     warp::cone_pdf(cone.q)

@@ -1,0 +1,193 @@
+//! Learning where photons are needed.
+//!
+//! A *rehearsal* traces photon paths and remembers where in the lights'
+//! emission each began. The caller says what every photon was worth; the sum
+//! over a path's photons is its score. [`Emitter::taught`] then spreads paths
+//! in proportion to the scores found: over the lights, over the targets of
+//! each, and over the cells of a [`Guide`] inside a target.
+//!
+//! Why in proportion: an estimate that is a sum over paths of `f / p`, where
+//! `p` is the density of a path and `f` what it brings, has the least variance
+//! with `p` proportional to the root of the mean of `f^2`. A score is `|f| / p`
+//! at the density with which the path was drawn, so the mean score of the paths
+//! that began in a cell times how many there were estimates the integral of
+//! `|f|` there.
+
+use rayon::prelude::*;
+
+use crate::{
+    sampling::{GUIDE_DIMENSIONS, Guide, Sequence, Weighed},
+    transport::Context,
+};
+
+use super::{Aim, Emitter, LightTally, Photon, trace};
+
+/// Part of all paths that goes to lights and targets by power, whatever the
+/// scores say.
+const BY_POWER: f64 = 0.1;
+
+/// Paths in a chunk of a rehearsal; the result does not depend on it.
+const CHUNK: u64 = 1024;
+
+/// Where in the emission a path began.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Origin {
+    /// Index of the light.
+    pub light: u32,
+    /// Index of the target among those of the light.
+    pub target: u32,
+    /// The sample from which the start was drawn: direction, point.
+    pub at: [f64; GUIDE_DIMENSIONS],
+}
+
+/// A path of a rehearsal and what it was worth.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Lesson {
+    /// Where the path began.
+    pub origin: Origin,
+    /// Its score, in any unit; what is not finite or not positive counts as
+    /// nothing.
+    pub score: f64,
+}
+
+/// Paths and their photons.
+#[derive(Clone, Debug, Default)]
+pub struct Rehearsal {
+    /// Photons in path order.
+    pub photons: Vec<Photon>,
+    /// Where each path began, with the number of photons it left.
+    paths: Vec<(Origin, usize)>,
+}
+
+impl Rehearsal {
+    /// Traces paths `0 .. count` of a sequence. Half of them start as the
+    /// emitter's paths do, half go to lights and targets in equal numbers: what
+    /// gets little power may be all that is seen.
+    pub fn new(ctx: &Context<'_>, emitter: &Emitter, sequence: Sequence, count: u64) -> Self {
+        let Some(emitter) = &emitter.levelled() else {
+            return Self::default();
+        };
+        let chunks: Vec<Self> = (0..count.div_ceil(CHUNK))
+            .into_par_iter()
+            .map(|c| {
+                let mut chunk = Self::default();
+                for index in c * CHUNK..((c + 1) * CHUNK).min(count) {
+                    chunk.trace(ctx, emitter, sequence, index, count as f64);
+                }
+                chunk
+            })
+            .collect();
+        let mut all = Self::default();
+        for chunk in chunks {
+            all.photons.extend_from_slice(&chunk.photons);
+            all.paths.extend_from_slice(&chunk.paths);
+        }
+        all
+    }
+
+    fn trace(
+        &mut self,
+        ctx: &Context<'_>,
+        emitter: &Emitter,
+        sequence: Sequence,
+        index: u64,
+        paths: f64,
+    ) {
+        let mut stream = sequence.at(index);
+        let (emission, origin) = emitter.emit_from(ctx, &mut stream);
+        let before = self.photons.len();
+        let mut ledger = LightTally::default();
+        trace(
+            ctx,
+            &emission,
+            paths,
+            &mut stream,
+            &mut ledger,
+            &mut |photon| {
+                self.photons.push(photon);
+            },
+        );
+        self.paths.push((origin, self.photons.len() - before));
+    }
+
+    /// Number of paths.
+    pub fn paths(&self) -> u64 {
+        self.paths.len() as u64
+    }
+
+    /// Adds up what each path's photons were worth.
+    pub fn lessons(&self, worth: impl Fn(&Photon) -> f64 + Send + Sync) -> Vec<Lesson> {
+        let worths: Vec<f64> = self.photons.par_iter().map(worth).collect();
+        let mut first = 0;
+        self.paths
+            .iter()
+            .map(|&(origin, count)| {
+                let score = worths[first..first + count].iter().sum();
+                first += count;
+                Lesson { origin, score }
+            })
+            .collect()
+    }
+}
+
+impl Emitter {
+    /// The same guides, with every target's share halfway to that of others.
+    fn levelled(&self) -> Option<Self> {
+        let targets: usize = self.aims().iter().map(|a| a.powers().len()).sum();
+        let (mut aims, mut shares) = (Vec::new(), Vec::new());
+        for (i, aim) in self.aims().iter().enumerate() {
+            let parts: Vec<f64> = (0..aim.powers().len())
+                .map(|k| 0.5 * (self.share(i, k) + 1.0 / targets as f64))
+                .collect();
+            shares.push(parts.iter().sum());
+            aims.push(aim.taught(&parts, Vec::new()));
+        }
+        Self::of(aims, &shares)
+    }
+
+    /// An emitter that spreads its paths in proportion to the scores, but for
+    /// a tenth that goes on as power and chance will have it: every path that
+    /// was possible stays so. The lessons must come from rehearsals of this
+    /// emitter. `None` if no path was worth anything.
+    #[must_use]
+    pub fn taught(&self, lessons: &[Lesson]) -> Option<Self> {
+        let mut found: Vec<Vec<Vec<Weighed>>> = self
+            .aims()
+            .iter()
+            .map(|aim| vec![Vec::new(); aim.powers().len()])
+            .collect();
+        let mut total = 0.0;
+        for lesson in lessons {
+            let Origin { light, target, at } = lesson.origin;
+            let weight = if lesson.score.is_finite() {
+                lesson.score.max(0.0)
+            } else {
+                0.0
+            };
+            total += weight;
+            // A light that has no target gives none to learn from.
+            if let Some(samples) = found[light as usize].get_mut(target as usize) {
+                samples.push(Weighed { at, weight });
+            }
+        }
+        if total == 0.0 {
+            return None;
+        }
+        let power: f64 = self.aims().iter().map(Aim::power_estimate).sum();
+        let (mut aims, mut shares) = (Vec::new(), Vec::new());
+        for (aim, found) in self.aims().iter().zip(&found) {
+            let share = |(samples, own): (&Vec<Weighed>, &f64)| {
+                let scores: f64 = samples.iter().map(|s| s.weight).sum();
+                (1.0 - BY_POWER) * scores / total + BY_POWER * own / power
+            };
+            let parts: Vec<f64> = found.iter().zip(aim.powers()).map(share).collect();
+            let guides = found
+                .par_iter()
+                .map(|samples| Guide::learn(samples, aim.dimensions()))
+                .collect();
+            shares.push(parts.iter().sum());
+            aims.push(aim.taught(&parts, guides));
+        }
+        Self::of(aims, &shares)
+    }
+}

@@ -1,0 +1,214 @@
+//! Pilots that teach the emitter where photons are needed.
+//!
+//! An *epoch* is a stretch of rounds that share one emitter. The pilot of an
+//! epoch starts from the emitter of the one before; it is a pure function of
+//! scene, settings, seed and epoch, so any pass can be computed without those
+//! before it. The samples of pilots are no pass's, so passes stay unbiased.
+
+use std::sync::OnceLock;
+
+use glam::DVec2;
+use rayon::prelude::*;
+
+use crate::{
+    camera::Camera,
+    photon::{Emitter, Photon, PhotonMap, Rehearsal},
+    sampling::{Purpose, Sequence},
+};
+
+use super::{
+    camera_walk::{CameraTally, Gather},
+    coordinates,
+    importance::{Blocks, Importance, Reached, reach},
+    schedule::REPLICATES,
+};
+
+/// Epochs of a render: later rounds keep what the last one learned. Its pilot
+/// is as large as a pilot may be.
+const EPOCHS: usize = 6;
+
+/// Work of all pilots up to an epoch, as a part of that of the passes before
+/// it (before pass 8 for the first). The rest to a twentieth is the pilots'
+/// own: building maps, asking for importance.
+const SHARE: f64 = 0.04;
+
+/// With fewer photon paths there is nothing to learn. A pilot has no more than
+/// a pass, for which there is memory.
+const FEWEST_PATHS: u64 = 1 << 10;
+
+/// Camera samples of a pilot: with fewer than the first number nothing is seen
+/// well, with more than the second nothing better.
+const SAMPLES: [u64; 2] = [1 << 8, 1 << 16];
+
+/// Photon paths that cost as much as a camera sample, roughly.
+const PATHS_PER_SAMPLE: u64 = 4;
+
+/// Number of a pilot's first sequence among those of the same purpose; each
+/// epoch has three.
+const FIRST_SEQUENCE: u32 = 16;
+
+/// Epoch of a round: 0 for rounds 0 and 1, then one for each doubling.
+pub(super) fn epoch(round: u32) -> usize {
+    (round.max(1).ilog2() as usize).min(EPOCHS - 1)
+}
+
+/// Work of the pilot of an epoch, in passes.
+fn passes(epoch: usize) -> f64 {
+    // Epoch e takes effect after 2^e rounds; half of these are new since the
+    // epoch before. The first must do with what the first round allows.
+    let rounds = match epoch {
+        0 | 1 => 1.0,
+        e => 0.5 * f64::from(1u32 << e),
+    };
+    SHARE * rounds * f64::from(REPLICATES)
+}
+
+/// The emitters of all epochs, each learned when it is first asked for.
+pub(super) struct Epochs {
+    first: Emitter,
+    taught: [OnceLock<Option<Emitter>>; EPOCHS],
+}
+
+impl Epochs {
+    /// Epochs that build on an emitter which was not taught.
+    pub(super) fn new(first: Emitter) -> Self {
+        Self {
+            first,
+            taught: Default::default(),
+        }
+    }
+
+    /// The emitter before all lessons.
+    pub(super) fn first(&self) -> &Emitter {
+        &self.first
+    }
+
+    /// The emitter of an epoch, below the largest number of them. `teach` runs
+    /// a pilot of an epoch with the emitter of the one before; where that
+    /// teaches nothing, the emitter stays.
+    pub(super) fn at(
+        &self,
+        epoch: usize,
+        teach: &impl Fn(usize, &Emitter) -> Option<Emitter>,
+    ) -> &Emitter {
+        let mut emitter = &self.first;
+        for (e, slot) in self.taught.iter().enumerate().take(epoch + 1) {
+            let before = emitter;
+            if let Some(better) = slot.get_or_init(|| teach(e, before)) {
+                emitter = better;
+            }
+        }
+        emitter
+    }
+}
+
+/// What a pilot needs to know of the render.
+pub(super) struct Pilot<'a> {
+    /// Camera samples without a map.
+    pub(super) gather: Gather<'a>,
+    pub(super) camera: &'a Camera,
+    /// Of the whole picture.
+    pub(super) resolution: [u32; 2],
+    pub(super) seed: u64,
+    /// Photon paths of a pass.
+    pub(super) photons: u64,
+    /// Factor on the photons' footprints.
+    pub(super) shrink: f64,
+}
+
+impl Pilot<'_> {
+    /// The emitter that an epoch's pilot makes of the one before; `None` where
+    /// the work allowed is too little to learn from, or no photon that was
+    /// traced can be seen.
+    pub(super) fn teach(&self, epoch: usize, before: &Emitter) -> Option<Emitter> {
+        let [paths, samples] = self.size(epoch)?;
+        let number = FIRST_SEQUENCE + 3 * epoch as u32;
+        let sequence = |k: u32| Sequence::new(self.seed, Purpose::Pilot, number + k, 0);
+        let ctx = &self.gather.ctx;
+        let rehearsal = Rehearsal::new(ctx, before, sequence(0), paths);
+        let map = PhotonMap::new(&rehearsal.photons, rehearsal.paths(), self.shrink);
+        let points = self.look(&map, sequence(1), sequence(2), samples);
+        drop(map);
+        let importance = Importance::new(&points, samples, self.camera, self.resolution);
+        let lessons = rehearsal.lessons(|photon| {
+            // All kernels count as equally large: with a camera that sees them
+            // equally well, photons then spread evenly over what is seen.
+            photon.flux.mean() * importance.of(photon).sqrt()
+        });
+        before.taught(&lessons)
+    }
+
+    /// Photon paths and camera samples of an epoch's pilot.
+    fn size(&self, epoch: usize) -> Option<[u64; 2]> {
+        let pixels = u64::from(self.resolution[0]) * u64::from(self.resolution[1]);
+        let part = |n: u64, least: u64, most: u64| {
+            let n = (passes(epoch) * n as f64) as u64;
+            (n >= least).then_some(n.min(most))
+        };
+        // Where photons are the work, a few more looks do not count.
+        let looks = pixels.max(self.photons / PATHS_PER_SAMPLE);
+        Some([
+            part(self.photons, FEWEST_PATHS, self.photons)?,
+            part(looks, SAMPLES[0], SAMPLES[1])?,
+        ])
+    }
+
+    /// Camera paths over the whole picture: the points they reach, weighed by
+    /// how errors there are seen.
+    fn look(&self, map: &PhotonMap, light: Sequence, ways: Sequence, samples: u64) -> Vec<Photon> {
+        let [width, height] = self.resolution.map(f64::from);
+        let gather = Gather {
+            map: Some(map),
+            ..self.gather
+        };
+        let looks: Vec<(DVec2, f64, Reached)> = (0..samples)
+            .into_par_iter()
+            .map(|i| {
+                let stream = light.at(i);
+                let [u, v] = coordinates::film(&stream);
+                let film = DVec2::new(u * width, v * height);
+                let ray = self.camera.ray(film);
+                let found = gather.sample(ray, &stream, &mut CameraTally::default());
+                let reached = reach(&gather.ctx, ray, &mut ways.at(i));
+                (film, found.total().mean(), reached)
+            })
+            .collect();
+        let mut blocks = Blocks::new(self.resolution, samples);
+        for (film, light, _) in &looks {
+            blocks.add(*film, *light);
+        }
+        let sight = blocks.sight();
+        let weigh = |(film, _, reached): &(DVec2, f64, Reached)| {
+            let weight = sight(*film);
+            reached.map(|point| {
+                point.map(|p| Photon {
+                    flux: p.flux * weight,
+                    ..p
+                })
+            })
+        };
+        looks.iter().flat_map(weigh).flatten().collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// An epoch begins with a round that is a power of two, and what was spent
+    /// on pilots by then is the allowed part of the passes before (of the first
+    /// round, for the first).
+    #[test]
+    fn pilots_cost_a_part_of_the_passes_before() {
+        let mut spent = 0.0;
+        for e in 0..EPOCHS {
+            spent += passes(e);
+            let first = if e == 0 { 0 } else { 1u32 << e };
+            assert_eq!(epoch(first), e);
+            assert_eq!(epoch((1 << (e + 1)) - 1), e, "until the next power of two");
+            let before = f64::from(first.max(1) * REPLICATES);
+            assert!((spent - SHARE * before).abs() < 1e-9, "epoch {e}: {spent}");
+        }
+        assert_eq!(epoch(u32::MAX), EPOCHS - 1);
+    }
+}
