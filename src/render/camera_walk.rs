@@ -18,11 +18,11 @@ use crate::{
 
 use super::{coordinates, glints::Glints, view::view};
 
-/// Where light divides, both ways are followed while the weaker one is
-/// stronger than this; below, a coin decides. Every single reflection in glass
-/// is then seen by all samples, with little weight, instead of by few with
-/// the weight of all.
-const SPLIT_ABOVE: f64 = 0.03;
+/// Where light divides, both ways are followed at the first surface, and later
+/// while the weaker way is stronger than this; below, a coin decides. Every
+/// single reflection in glass or water is then seen by all samples, with
+/// little weight, instead of by few with the weight of all.
+const SPLIT_ABOVE: f64 = 0.01;
 
 /// Shadow rays at the first diffuse surface: at least the first number, and
 /// one to each light up to the second; fewer on a path that carries less. More

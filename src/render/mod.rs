@@ -13,6 +13,7 @@ mod memory;
 mod pass;
 mod report;
 mod schedule;
+mod share;
 mod view;
 
 pub use driver::{Job, Outcome, Progress, run};
