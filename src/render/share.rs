@@ -17,8 +17,8 @@ const VISIT: f64 = 0.1;
 /// Cost of a photon path, with its place in the map, in rays cast.
 const PATH: f64 = 4.0;
 
-/// Part of the pilot's samples, those with the largest squares, that is left
-/// out of each variance: a rare bright path must not decide for the rest.
+/// Part of the pilot's samples, those with the largest values, that is left
+/// out of each mean: a rare bright path must not decide for the rest.
 const TRIMMED: f64 = 0.01;
 
 /// What the pilot found through one pixel.
@@ -63,16 +63,12 @@ impl Survey {
     /// From the pilot's probes and the work of its camera samples; a pass has
     /// `pixels` camera samples.
     pub(super) fn new(probes: &[Probe], paths: u64, work: Work, pixels: u64) -> Self {
-        let mean = mean(
-            probes
-                .iter()
-                .map(|p| (p.first[0] + p.first[1] + p.second) / 3.0),
-        );
+        let value = |p: &Probe| (p.first[0] + p.first[1] + p.second) / 3.0;
+        let mean = trimmed_mean(probes.iter().map(value));
         // As errors are measured: relative to the pixel, but for dark ones.
-        let variance = |a: fn(&Probe) -> [f64; 2]| {
+        let variance = |pair: fn(&Probe) -> [f64; 2]| {
             trimmed_mean(probes.iter().map(|p| {
-                let value = (p.first[0] + p.first[1] + p.second) / 3.0;
-                let [a, b] = a(p);
+                let (value, [a, b]) = (value(p), pair(p));
                 // Half the square of a difference has the variance as mean.
                 0.5 * (a - b).powi(2) / (value * value + 0.01 * mean * mean)
             }))
