@@ -368,7 +368,11 @@ fn aimed_light_is_the_light_that_arrives() {
         };
         let aimed = emissions(text, balls, 81, DRAWS);
         let everywhere = emissions(text, ENDLESS, 82, 50 * DRAWS);
-        let weights: Vec<f64> = count(&everywhere).iter().map(|c| *c as f64).collect();
+        // A cell that the reference missed is rare, not impossible.
+        let weights: Vec<f64> = count(&everywhere)
+            .iter()
+            .map(|c| (*c as f64).max(0.5))
+            .collect();
         assert_follows(&count(&aimed), &weights, text);
         let arriving = |emissions: &[(Emission, f64)]| {
             let flux =

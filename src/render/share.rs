@@ -140,7 +140,7 @@ mod tests {
         path_cost: 2e-4,
     };
 
-    /// The product is least at n^2 = V_ph n_0 C / (V_cam c); among powers of
+    /// The product is least at `n^2 = V_ph n_0 C / (V_cam c)`; among powers of
     /// two the best is at most a factor of sqrt(2) away, by symmetry of
     /// a n + b / n in the logarithm.
     #[test]
