@@ -31,7 +31,7 @@ pub struct Footprint {
 /// Kernel semi-axes over those of the cell's patch, by the number of pairs of
 /// coordinates that share its volume. A cell that is spread over more
 /// dimensions is wider from the start and holds more of its neighbours.
-const OVERLAP: [f64; MAX_PAIRS + 1] = [1.0, 2.6, 0.6, 0.5];
+const OVERLAP: [f64; MAX_PAIRS + 1] = [1.0, 2.6, 0.8, 0.3];
 
 /// Most strain of a kernel (see [`Differential::strains`]) for which
 /// the derivatives are believed.
@@ -39,8 +39,10 @@ const MOST_STRAIN: f64 = 0.5;
 
 impl Footprint {
     /// The footprint of a photon that arrived with these derivatives on a
-    /// surface of normal `n`, one of `paths` paths. `None` where the
-    /// derivatives do not hold over as much as a kernel.
+    /// surface of normal `n`, one of `paths` paths. Where the derivatives do
+    /// not hold over as much as a kernel, their shape means little: it is a
+    /// circle of the same area. `None` where there are none, or the patch has
+    /// no area.
     pub fn new(differential: &Differential, paths: f64, n: DVec3) -> Option<Self> {
         let pairs = differential.pairs();
         if pairs.is_empty() {
@@ -60,13 +62,17 @@ impl Footprint {
                 axes[2 * i + k] = DVec2::new(frame.s.dot(*v), frame.t.dot(*v)) * h;
             }
         }
-        if !(strain * scale * scale <= MOST_STRAIN * MOST_STRAIN) {
-            return None;
-        }
         let (major, minor) = ellipse(&axes[..2 * pairs.len()])?;
-        Some(Self {
-            major: frame.s * major.x + frame.t * major.y,
-            minor,
+        if strain * scale * scale <= MOST_STRAIN * MOST_STRAIN {
+            return Some(Self {
+                major: frame.s * major.x + frame.t * major.y,
+                minor,
+            });
+        }
+        let radius = (major.length() * minor).sqrt();
+        (radius > 0.0).then(|| Self {
+            major: frame.s * radius,
+            minor: radius,
         })
     }
 }

@@ -98,8 +98,8 @@ pub fn trace(
             };
             let footprint = Footprint::new(&differential, paths, point.ng);
             store(Photon {
-                bounced,
                 footprint,
+                bounced,
                 ..landed
             });
             let Material::Diffuse { reflectance } = material else {

@@ -1,6 +1,6 @@
 //! One camera sample: what is seen through one film position.
 
-use std::f64::consts::FRAC_1_PI;
+use std::{f64::consts::FRAC_1_PI, ops::AddAssign};
 
 use glam::DVec3;
 
@@ -19,6 +19,7 @@ use crate::{
 use super::{
     coordinates,
     glints::{self, Glints},
+    share::Work,
     view::view,
 };
 
@@ -39,10 +40,10 @@ const LATER_SHADOW_RAYS: u32 = 1;
 /// Smallest and largest semi-axes of kernels over the round's scale: narrower
 /// ones than the camera resolves bring only noise, in wider ones the
 /// derivatives no longer hold. Light that was reflected after it was a caustic
-/// varies slowly and is rare.
+/// comes from everywhere: wide kernels of it would meet in every point.
 const LEAST: f64 = 0.125;
 const MOST: f64 = 6.0;
-const MOST_BOUNCED: f64 = 8.0;
+const MOST_BOUNCED: f64 = 2.0;
 
 /// Growth of a path's footprint after a diffuse bounce, in metres per metre:
 /// the bounce averages over a wide cone, so the photons' light seen there may
@@ -72,6 +73,28 @@ pub(super) struct CameraTally {
     pub(super) queries: u64,
     pub(super) visited: u64,
     pub(super) accepted: u64,
+}
+
+impl CameraTally {
+    /// The work in all, of so many samples.
+    pub(super) fn work(&self, samples: u64) -> Work {
+        Work {
+            samples,
+            rays: self.rays,
+            queries: self.queries,
+            visited: self.visited,
+        }
+    }
+}
+
+impl AddAssign for CameraTally {
+    fn add_assign(&mut self, o: Self) {
+        self.rays += o.rays;
+        self.truncated += o.truncated;
+        self.queries += o.queries;
+        self.visited += o.visited;
+        self.accepted += o.accepted;
+    }
 }
 
 impl Gather<'_> {

@@ -5,6 +5,7 @@
 //! eight passes, one for each replicate of the sample sequences. The clock
 //! decides only how many passes run.
 
+mod camera_pass;
 mod camera_walk;
 mod coordinates;
 mod driver;
@@ -13,6 +14,7 @@ mod importance;
 mod memory;
 mod pass;
 mod pilot;
+mod refine;
 mod report;
 mod schedule;
 mod share;

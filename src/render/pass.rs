@@ -1,28 +1,24 @@
 //! One pass: photons, map, camera samples. A pure function of the scene, the
 //! settings, the seed and the pass index.
 
-use glam::DVec2;
 use rayon::prelude::*;
 
 use crate::{
     film::{Layer, PixelSample},
-    geometry::Ray,
     photon::{Emitter, PhotonMap, Shot, Tally, shoot},
     plan::Plan,
-    sampling::{Purpose, Sequence, Stream},
+    sampling::{Purpose, Sequence},
     scene::{Scene, Settings},
-    spectrum::Rgb,
     transport::{Context, LightPicker},
 };
 
 use super::{
     camera_walk::{CameraTally, Gather},
-    coordinates,
-    glints::{self, Glints},
     memory::{FEWEST_PHOTONS, photon_budget},
     pilot::{Epochs, Pilot, epoch},
+    refine::Refinement,
     schedule::{REPLICATES, Schedule},
-    share::{Probe, Survey, Work},
+    share::{Probe, Survey},
 };
 
 /// Most photon paths that the program chooses.
@@ -33,23 +29,24 @@ const MOST_PHOTONS: u64 = 1 << 23;
 const NATURAL_SCALE: f64 = 2.0;
 
 /// Photon paths of each of the pilot's two sets, and pixels it looks at.
-const PILOT_PHOTONS: u64 = 1 << 14;
+pub(super) const PILOT_PHOTONS: u64 = 1 << 14;
 const PILOT_PIXELS: u64 = 1 << 11;
 
 /// Everything that passes of one render share.
 pub struct Renderer<'a> {
-    scene: &'a Scene,
-    settings: Settings,
+    pub(super) scene: &'a Scene,
+    pub(super) settings: Settings,
     plan: Plan,
     picker: LightPicker,
     emitters: Option<Epochs>,
     schedule: Schedule,
-    resolution: [u32; 2],
-    camera: crate::camera::Camera,
-    crop: [u32; 4],
-    photons: u64,
-    /// Per pixel of the window: whether sources may glint there.
-    glinting: Vec<bool>,
+    pub(super) resolution: [u32; 2],
+    pub(super) camera: crate::camera::Camera,
+    pub(super) crop: [u32; 4],
+    pub(super) photons: u64,
+    /// Per pixel of the window and around it: whether sources may glint there.
+    pub(super) glinting: Vec<bool>,
+    pub(super) refinement: Refinement,
 }
 
 /// What a pass delivers.
@@ -104,12 +101,14 @@ impl<'a> Renderer<'a> {
             crop,
             photons: 0,
             glinting: Vec::new(),
+            refinement: Refinement::none(),
             plan,
         };
         renderer.glinting = renderer.find_glints();
         if renderer.emitters.is_some() {
             renderer.photons = renderer.photon_paths();
         }
+        renderer.refinement = renderer.find_refinement();
         renderer
     }
 
@@ -137,9 +136,6 @@ impl<'a> Renderer<'a> {
             shrink: self.schedule.scale(0) / NATURAL_SCALE,
         };
         let emitters = self.emitters.as_ref()?;
-        if std::env::var("NOGUIDE").is_ok() {
-            return Some(emitters.first());
-        }
         Some(emitters.at(epoch(round), &|e, before| pilot.teach(e, before)))
     }
 
@@ -261,103 +257,22 @@ impl<'a> Renderer<'a> {
         let found: Vec<(Probe, CameraTally)> =
             (0..PILOT_PIXELS).into_par_iter().map(probe).collect();
         let (probes, tallies): (Vec<Probe>, Vec<CameraTally>) = found.into_iter().unzip();
-        let sum = |f: fn(&CameraTally) -> u64| tallies.iter().map(f).sum();
-        let work = Work {
-            samples: 3 * PILOT_PIXELS,
-            rays: sum(|t| t.rays),
-            queries: sum(|t| t.queries),
-            visited: sum(|t| t.visited),
-        };
+        let mut tally = CameraTally::default();
+        for t in tallies {
+            tally += t;
+        }
+        let work = tally.work(3 * PILOT_PIXELS);
         let all = u64::from(width) * u64::from(height);
         Survey::new(&probes, PILOT_PHOTONS, work, all)
     }
 
     /// What camera samples of a round may ask.
-    fn gatherer<'b>(&'b self, map: Option<&'b PhotonMap>, round: u32) -> Gather<'b> {
+    pub(super) fn gatherer<'b>(&'b self, map: Option<&'b PhotonMap>, round: u32) -> Gather<'b> {
         Gather {
             ctx: self.context(),
             map,
             scale: self.schedule.scale(round),
             footprint: self.camera.pixel_footprint(),
         }
-    }
-
-    /// The number of a pixel in the whole picture, so that a crop shows the
-    /// same samples.
-    fn item(&self, px: u32, py: u32) -> u64 {
-        u64::from(py) * u64::from(self.resolution[0]) + u64::from(px)
-    }
-
-    /// The ray of a stream through a pixel.
-    fn ray(&self, px: u32, py: u32, stream: &Stream) -> Ray {
-        let [x, y] = self.scene.filter.place(coordinates::film(stream));
-        self.camera
-            .ray(DVec2::new(f64::from(px) + x, f64::from(py) + y))
-    }
-
-    /// Pixels of the window in which sources may glint.
-    fn find_glints(&self) -> Vec<bool> {
-        let [x0, y0, width, height] = self.crop;
-        let Some(glints) = Glints::new(self.scene) else {
-            return vec![false; width as usize * height as usize];
-        };
-        let gather = self.gatherer(None, 0);
-        let pixel = |i: u32| {
-            let (px, py) = (x0 + i % width, y0 + i / width);
-            (0..glints::PILOT_RAYS).any(|j| {
-                let stream = glints::pilot_stream(self.settings.seed, self.item(px, py), j);
-                gather.passes_near(&glints, self.ray(px, py, &stream), &stream)
-            })
-        };
-        (0..width * height).into_par_iter().map(pixel).collect()
-    }
-
-    /// The camera half of a pass: one sample a pixel, rows in parallel.
-    fn gather(
-        &self,
-        gather: &Gather<'_>,
-        round: u32,
-        replicate: u32,
-    ) -> (Vec<PixelSample>, CameraTally) {
-        let [x0, y0, width, height] = self.crop;
-        let rows: Vec<(Vec<PixelSample>, CameraTally)> = (0..height)
-            .into_par_iter()
-            .map(|y| {
-                let mut tally = CameraTally::default();
-                let row = (0..width)
-                    .map(|x| {
-                        let (px, py) = (x0 + x, y0 + y);
-                        let item = self.item(px, py);
-                        let stream =
-                            Sequence::new(self.settings.seed, Purpose::Camera, replicate, item)
-                                .at_own_order(u64::from(round));
-                        let ray = self.ray(px, py, &stream);
-                        let mut sample = gather.sample(ray, &stream, &mut tally);
-                        if self.glinting[(y * width + x) as usize] {
-                            let seen = (0..glints::RAYS).map(|j| {
-                                let seed = self.settings.seed;
-                                let stream = glints::stream(seed, replicate, item, round, j);
-                                let ray = self.ray(px, py, &stream);
-                                gather.sources(ray, &stream, &mut tally)
-                            });
-                            let sum = seen.fold(Rgb::BLACK, |a, b| a + b);
-                            sample[Layer::Emission] = sum / glints::RAYS as f64;
-                        }
-                        sample
-                    })
-                    .collect();
-                (row, tally)
-            })
-            .collect();
-        let mut tally = CameraTally::default();
-        let mut samples = Vec::with_capacity(width as usize * height as usize);
-        for (row, t) in rows {
-            samples.extend_from_slice(&row);
-            tally.truncated += t.truncated;
-            tally.queries += t.queries;
-            tally.visited += t.visited;
-            tally.accepted += t.accepted;
-        }
-        (samples, tally)
     }
 }

@@ -14,7 +14,7 @@ const QUERY: f64 = 1.5;
 const VISIT: f64 = 0.1;
 
 /// Cost of a photon path, with its place in the map, in rays cast.
-const PATH: f64 = 4.0;
+const PATH: f64 = 7.0;
 
 /// Part of the pilot's samples, those with the largest values, that is left
 /// out of each mean: a rare bright path must not decide for the rest.
@@ -58,6 +58,14 @@ pub(super) struct Work {
     pub(super) visited: u64,
 }
 
+impl Work {
+    /// Mean cost of a camera sample, in rays cast.
+    pub(super) fn of_sample(&self) -> f64 {
+        let all = self.rays as f64 + QUERY * self.queries as f64 + VISIT * self.visited as f64;
+        all / self.samples.max(1) as f64
+    }
+}
+
 impl Survey {
     /// From the pilot's probes and the work of its camera samples; a pass has
     /// `pixels` camera samples.
@@ -74,17 +82,13 @@ impl Survey {
         };
         let photon = variance(|p| p.first);
         let both = variance(|p| [p.first[0], p.second]);
-        let samples = work.samples.max(1) as f64;
         Self {
             camera: (both - photon).max(0.0),
             photon,
             paths,
             // Kernels shrink as photons grow more: as many reach a query.
-            sample_cost: (work.rays as f64
-                + QUERY * work.queries as f64
-                + VISIT * work.visited as f64)
-                / samples,
-            path_cost: PATH / pixels.max(1) as f64,
+            sample_cost: work.of_sample(),
+            path_cost: photon_cost(1, pixels),
         }
     }
 
@@ -113,6 +117,11 @@ impl Survey {
     }
 }
 
+/// Cost of a pass's photon paths for every one of its pixels, in rays cast.
+pub(super) fn photon_cost(paths: u64, pixels: u64) -> f64 {
+    PATH * paths as f64 / pixels.max(1) as f64
+}
+
 fn mean(values: impl Iterator<Item = f64>) -> f64 {
     let (sum, count) = values.fold((0.0, 0u32), |(s, n), v| (s + v, n + 1));
     sum / f64::from(count.max(1))
@@ -120,7 +129,7 @@ fn mean(values: impl Iterator<Item = f64>) -> f64 {
 
 /// Mean of what is left without the largest values; what is not finite counts
 /// as largest. 0 where nothing is left.
-fn trimmed_mean(values: impl Iterator<Item = f64>) -> f64 {
+pub(super) fn trimmed_mean(values: impl Iterator<Item = f64>) -> f64 {
     let mut sorted: Vec<f64> = values.filter(|v| v.is_finite()).collect();
     sorted.sort_unstable_by(f64::total_cmp);
     let dropped = (sorted.len() as f64 * TRIMMED).ceil() as usize;

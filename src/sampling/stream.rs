@@ -23,6 +23,8 @@ pub enum Purpose {
     Pilot = 3,
     /// Looking for light sources in mirrors and glass.
     Glint = 4,
+    /// Further camera paths where neighbouring pixels differ.
+    Refinement = 5,
 }
 
 /// A scrambled sequence; [`Sequence::at`] picks one of its points.

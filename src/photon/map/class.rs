@@ -211,7 +211,8 @@ impl Class {
         };
         let outside = query - query.clamp(self.low, self.high);
         // Also where something is not a number.
-        if !(outside.length_squared() < squared) || !squared.is_finite() {
+        let within = outside.length_squared() < squared && squared.is_finite();
+        if !within {
             return;
         }
         self.tree

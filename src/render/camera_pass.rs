@@ -1,0 +1,255 @@
+//! The camera half of a pass: a sample of every pixel, then more where
+//! neighbours differ.
+
+use glam::DVec2;
+use rayon::prelude::*;
+
+use crate::{
+    film::{Layer, PixelSample},
+    geometry::Ray,
+    photon::shoot,
+    sampling::{Purpose, Sequence, Stream},
+    spectrum::Rgb,
+};
+
+use super::{
+    Renderer,
+    camera_walk::{CameraTally, Gather},
+    coordinates,
+    glints::{self, Glints},
+    pass::PILOT_PHOTONS,
+    refine::{REACH, Refinement},
+    share,
+};
+
+/// Places at which the pilot looks at a pixel's neighbours.
+const PILOT_PLACES: u64 = 128;
+
+/// A rectangle of pixels.
+#[derive(Clone, Copy)]
+struct Window {
+    x: u32,
+    y: u32,
+    width: u32,
+    height: u32,
+}
+
+impl Window {
+    /// The pixels within `REACH` of this window, as far as there are any.
+    fn grown(self, [width, height]: [u32; 2]) -> Self {
+        let (x, y) = (self.x.saturating_sub(REACH), self.y.saturating_sub(REACH));
+        Self {
+            x,
+            y,
+            width: (self.x + self.width + REACH).min(width) - x,
+            height: (self.y + self.height + REACH).min(height) - y,
+        }
+    }
+
+    fn index(self, x: u32, y: u32) -> usize {
+        (y - self.y) as usize * self.width as usize + (x - self.x) as usize
+    }
+
+    /// What `pixel` makes of every pixel, row by row, rows in parallel.
+    fn map<T: Send>(
+        self,
+        pixel: impl Fn(u32, u32, &mut CameraTally) -> T + Sync,
+    ) -> (Vec<T>, CameraTally) {
+        let rows: Vec<(Vec<T>, CameraTally)> = (self.y..self.y + self.height)
+            .into_par_iter()
+            .map(|y| {
+                let mut tally = CameraTally::default();
+                let columns = self.x..self.x + self.width;
+                (columns.map(|x| pixel(x, y, &mut tally)).collect(), tally)
+            })
+            .collect();
+        let mut tally = CameraTally::default();
+        let mut all = Vec::with_capacity(self.width as usize * self.height as usize);
+        for (row, t) in rows {
+            all.extend(row);
+            tally += t;
+        }
+        (all, tally)
+    }
+
+    /// Radiances of the pixels around one.
+    fn neighbours(self, radiance: &[f64], x: u32, y: u32) -> ([f64; MOST_NEIGHBOURS], usize) {
+        let mut found = [0.0; MOST_NEIGHBOURS];
+        let mut count = 0;
+        let rows = y.saturating_sub(REACH).max(self.y)..(y + REACH + 1).min(self.y + self.height);
+        for ny in rows {
+            let columns =
+                x.saturating_sub(REACH).max(self.x)..(x + REACH + 1).min(self.x + self.width);
+            for nx in columns {
+                if (nx, ny) != (x, y) {
+                    found[count] = radiance[self.index(nx, ny)];
+                    count += 1;
+                }
+            }
+        }
+        (found, count)
+    }
+}
+
+const MOST_NEIGHBOURS: usize = ((2 * REACH + 1) * (2 * REACH + 1) - 1) as usize;
+
+impl Renderer<'_> {
+    /// The number of a pixel in the whole picture, so that a crop shows the
+    /// same samples.
+    fn item(&self, px: u32, py: u32) -> u64 {
+        u64::from(py) * u64::from(self.resolution[0]) + u64::from(px)
+    }
+
+    /// The ray of a stream through a pixel.
+    pub(super) fn ray(&self, px: u32, py: u32, stream: &Stream) -> Ray {
+        let [x, y] = self.scene.filter.place(coordinates::film(stream));
+        self.camera
+            .ray(DVec2::new(f64::from(px) + x, f64::from(py) + y))
+    }
+
+    fn window(&self) -> Window {
+        let [x, y, width, height] = self.crop;
+        Window {
+            x,
+            y,
+            width,
+            height,
+        }
+    }
+
+    /// Pixels in which sources may glint: those of the window and of what is
+    /// sampled around it.
+    pub(super) fn find_glints(&self) -> Vec<bool> {
+        let window = self.window().grown(self.resolution);
+        let Some(glints) = Glints::new(self.scene) else {
+            return vec![false; window.width as usize * window.height as usize];
+        };
+        let gather = self.gatherer(None, 0);
+        let (found, _) = window.map(|px, py, _| {
+            (0..glints::PILOT_RAYS).any(|j| {
+                let stream = glints::pilot_stream(self.settings.seed, self.item(px, py), j);
+                gather.passes_near(&glints, self.ray(px, py, &stream), &stream)
+            })
+        });
+        found
+    }
+
+    /// Where further samples pay, by a pilot over the whole picture.
+    pub(super) fn find_refinement(&self) -> Refinement {
+        let seed = self.settings.seed;
+        let map = self.emitter().map(|emitter| {
+            let photons = Sequence::new(seed, Purpose::Pilot, 6, 0);
+            let shot = shoot(&self.context(), emitter, photons, 0, PILOT_PHOTONS);
+            self.map(&shot, 0)
+        });
+        let gather = self.gatherer(map.as_ref(), 0);
+        let places = Sequence::new(seed, Purpose::Pilot, 7, 0);
+        let [width, height] = self.resolution;
+        let found: Vec<(Vec<f64>, CameraTally)> = (0..PILOT_PLACES)
+            .into_par_iter()
+            .map(|i| {
+                let [u, v] = places.at(i).next_2d();
+                let place = Window {
+                    x: (u * f64::from(width)) as u32,
+                    y: (v * f64::from(height)) as u32,
+                    width: 1,
+                    height: 1,
+                };
+                let around = place.grown(self.resolution);
+                let mut tally = CameraTally::default();
+                let mut radiances = Vec::with_capacity(MOST_NEIGHBOURS + 1);
+                for y in around.y..around.y + around.height {
+                    for x in around.x..around.x + around.width {
+                        let stream = Sequence::new(seed, Purpose::Pilot, 8, self.item(x, y)).at(i);
+                        let sample = gather.sample(self.ray(x, y, &stream), &stream, &mut tally);
+                        radiances.push(sample.total().mean());
+                    }
+                }
+                (radiances, tally)
+            })
+            .collect();
+        let all: Vec<f64> = found.iter().flat_map(|(r, _)| r).copied().collect();
+        let mean = share::trimmed_mean(all.iter().copied());
+        let variances: Vec<f64> = found
+            .iter()
+            .map(|(radiances, _)| super::refine::variance(radiances, 0.01 * mean * mean))
+            .collect();
+        let mut tally = CameraTally::default();
+        for (_, t) in found {
+            tally += t;
+        }
+        let sample_cost = tally.work(all.len() as u64).of_sample();
+        let pixels = u64::from(width) * u64::from(height);
+        let overhead = share::photon_cost(self.photons, pixels) / sample_cost;
+        Refinement::new(mean, &variances, overhead)
+    }
+
+    /// The camera half of a pass.
+    pub(super) fn gather(
+        &self,
+        gather: &Gather<'_>,
+        round: u32,
+        replicate: u32,
+    ) -> (Vec<PixelSample>, CameraTally) {
+        let whole = self.window().grown(self.resolution);
+        let (first, mut tally) = whole.map(|px, py, tally| {
+            let sequence = Sequence::new(
+                self.settings.seed,
+                Purpose::Camera,
+                replicate,
+                self.item(px, py),
+            );
+            let stream = sequence.at_own_order(u64::from(round));
+            gather.sample(self.ray(px, py, &stream), &stream, tally)
+        });
+        let radiance: Vec<f64> = first.iter().map(|s| s.total().mean()).collect();
+        let (samples, further) = self.window().map(|px, py, tally| {
+            let (neighbours, count) = whole.neighbours(&radiance, px, py);
+            let n = self.refinement.further(&neighbours[..count]);
+            let i = whole.index(px, py);
+            let mut sample = first[i];
+            if n > 0 {
+                // Every number of samples has a sequence of its own, of which
+                // each round takes the next part.
+                let item = self.item(px, py) | u64::from(n) << 48;
+                let sequence =
+                    Sequence::new(self.settings.seed, Purpose::Refinement, replicate, item);
+                for j in 0..n {
+                    let index = u64::from(round) * u64::from(n) + u64::from(j);
+                    let stream = sequence.at_own_order(index);
+                    let more = gather.sample(self.ray(px, py, &stream), &stream, tally);
+                    for (a, b) in sample.layers.iter_mut().zip(more.layers) {
+                        *a += b;
+                    }
+                }
+                for layer in &mut sample.layers {
+                    *layer = *layer / f64::from(n + 1);
+                }
+            }
+            if self.glinting[i] {
+                sample[Layer::Emission] = self.glints(gather, round, replicate, [px, py], tally);
+            }
+            sample
+        });
+        tally += further;
+        (samples, tally)
+    }
+
+    /// The sources in a pixel where they may glint.
+    fn glints(
+        &self,
+        gather: &Gather<'_>,
+        round: u32,
+        replicate: u32,
+        [px, py]: [u32; 2],
+        tally: &mut CameraTally,
+    ) -> Rgb {
+        let (seed, item) = (self.settings.seed, self.item(px, py));
+        let mut sum = Rgb::BLACK;
+        for j in 0..glints::RAYS {
+            let stream = glints::stream(seed, replicate, item, round, j);
+            sum += gather.sources(self.ray(px, py, &stream), &stream, tally);
+        }
+        sum / glints::RAYS as f64
+    }
+}
