@@ -1,13 +1,13 @@
 //! The photon map: building it, and asking it, beside a plain loop.
 //!
 //! Photons lie on a plane, uniform but for a tenth that is crowded into a
-//! hundredth of the area, as in a caustic. `query` asks at photon positions
-//! with radii that hold so many photons on average.
+//! hundredth of the area with smaller kernels, as in a caustic. `query` asks at
+//! photon positions where kernels hold so many photons.
 
 use divan::{Bencher, black_box, counter::ItemsCount};
 use glam::DVec3;
 use nephroid::{
-    photon::{Photon, PhotonMap},
+    photon::{Footprint, Photon, PhotonMap, Query},
     sampling::{Purpose, Sequence},
     spectrum::Rgb,
 };
@@ -18,7 +18,9 @@ fn main() {
 
 const QUERIES: usize = 1000;
 
-fn photons(count: u64) -> Vec<Photon> {
+/// Photons whose kernels hold `held` others where light is even.
+fn photons(count: u64, held: u64) -> Vec<Photon> {
+    let radius = (held as f64 / (count as f64 * std::f64::consts::PI)).sqrt();
     let sequence = Sequence::new(0, Purpose::Pilot, 0, 0);
     (0..count)
         .map(|i| {
@@ -28,6 +30,10 @@ fn photons(count: u64) -> Vec<Photon> {
                 position: DVec3::new(scale * (x - 0.5), scale * (y - 0.5), 0.0),
                 normal: DVec3::Z,
                 flux: Rgb::WHITE,
+                footprint: Some(Footprint {
+                    major: DVec3::X * (scale * radius),
+                    minor: scale * radius,
+                }),
                 bounced: false,
             }
         })
@@ -36,25 +42,32 @@ fn photons(count: u64) -> Vec<Photon> {
 
 #[divan::bench(args = [10_000, 100_000, 1_000_000], sample_count = 10)]
 fn build(bencher: Bencher, count: u64) {
-    let photons = photons(count);
+    let photons = photons(count, 16);
     bencher
         .counter(ItemsCount::new(count))
-        .bench_local(|| PhotonMap::new(black_box(&photons), count));
+        .bench_local(|| PhotonMap::new(black_box(&photons), count, 1.0));
 }
 
 #[divan::bench(args = [4, 16, 64, 256], consts = [100_000, 1_000_000], sample_count = 20)]
 fn query<const COUNT: u64>(bencher: Bencher, held: u64) {
-    let photons = photons(COUNT);
-    let map = PhotonMap::new(&photons, COUNT);
-    let radius = (held as f64 / (COUNT as f64 * std::f64::consts::PI)).sqrt();
+    let photons = photons(COUNT, held);
+    let map = PhotonMap::new(&photons, COUNT, 1.0);
     let step = photons.len() / QUERIES;
     bencher.counter(ItemsCount::new(QUERIES)).bench_local(|| {
         photons
             .iter()
             .step_by(step)
             .map(|p| {
-                map.irradiance(p.position, DVec3::Z, radius, |_| true)
-                    .irradiance[0]
+                let query = Query {
+                    p: p.position,
+                    n: DVec3::Z,
+                    least: 0.0,
+                    most: 1.0,
+                    most_bounced: 1.0,
+                    blind: 0.0,
+                    caustics: true,
+                };
+                map.irradiance(&query, |_, _| 1.0).irradiance[0]
             })
             .sum::<f64>()
     });
@@ -62,7 +75,7 @@ fn query<const COUNT: u64>(bencher: Bencher, held: u64) {
 
 #[divan::bench(sample_count = 5)]
 fn query_by_plain_loop(bencher: Bencher) {
-    let photons = photons(100_000);
+    let photons = photons(100_000, 16);
     let radius = (16.0 / (100_000.0 * std::f64::consts::PI)).sqrt();
     bencher.counter(ItemsCount::new(10usize)).bench_local(|| {
         photons

@@ -3,10 +3,13 @@
 //! its own; Linux tells the peak.
 
 mod common;
+#[path = "common/peak.rs"]
+mod peak;
 
-use std::{env, fs, process::Command};
+use std::{env, process::Command};
 
 use nephroid::render::{Job, Renderer};
+use peak::peak_mebibytes;
 
 fn main() {
     if let Ok(job) = env::var("NEPHROID_MEMORY_BENCH") {
@@ -39,25 +42,11 @@ fn one(photons: u64, budget: u64) {
     let renderer = Renderer::new(&scene, &settings, scene.resolution, [0, 0, w, h]);
     let pass = renderer.pass(0);
     report(&format!(
-        "{photons:13}  {:10}  {:14}  {:8}",
+        "{photons:13}  {:10}  {:14}  {:8.0}",
         budget >> 20,
         pass.emitted,
         peak_mebibytes()
     ));
-}
-
-/// The process's largest resident set so far, as Linux counts it; 0 elsewhere.
-fn peak_mebibytes() -> u64 {
-    let status = fs::read_to_string("/proc/self/status").unwrap_or_default();
-    let line = status
-        .lines()
-        .find(|l| l.starts_with("VmHWM:"))
-        .unwrap_or_default();
-    line.split_whitespace()
-        .nth(1)
-        .and_then(|kib| kib.parse::<u64>().ok())
-        .unwrap_or(0)
-        / 1024
 }
 
 #[allow(clippy::print_stdout, reason = "a bench speaks to whoever runs it")]

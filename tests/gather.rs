@@ -6,7 +6,7 @@ use std::path::Path;
 use glam::DVec3;
 use nephroid::{
     geometry::Ray,
-    photon::{Photon, PhotonMap, gather},
+    photon::{Footprint, Kernels, Photon, PhotonMap, gather},
     render::Renderer,
     sampling::{Purpose, Sequence},
     scene::{Scene, load_str},
@@ -14,7 +14,13 @@ use nephroid::{
     transport::DiffusePoint,
 };
 
-const RADIUS: f64 = 0.1;
+const KERNELS: Kernels = Kernels {
+    least: 0.0,
+    most: 0.2,
+    most_bounced: 0.2,
+    blind: 0.1,
+    caustics: true,
+};
 const PATHS: u64 = 1 << 17;
 
 /// A floor, and on it a wall along the y axis unless there is none.
@@ -30,7 +36,8 @@ fn scene(wall: &str) -> Scene {
     load_str(&text, "gather.ron", Path::new("")).expect("a sound scene")
 }
 
-/// One watt a square metre on the floor, on the side of positive x only.
+/// One watt a square metre on the floor, on the side of positive x only, by
+/// round and by long kernels.
 fn half_lit() -> PhotonMap {
     let sequence = Sequence::new(11, Purpose::Pilot, 0, 0);
     let photons: Vec<Photon> = (0..PATHS)
@@ -40,12 +47,22 @@ fn half_lit() -> PhotonMap {
                 position: DVec3::new(x, 2.0 * y - 1.0, 0.0),
                 normal: DVec3::Z,
                 flux: Rgb::grey(2.0),
+                footprint: [None, long(0.0), long(0.8), long(1.6), long(2.4)][(i % 5) as usize],
                 // A whole block of the sequence: as even as all of it.
                 bounced: i < PATHS / 4,
             }
         })
         .collect();
-    PhotonMap::new(&photons, PATHS)
+    PhotonMap::new(&photons, PATHS, 1.0)
+}
+
+/// A kernel four times longer than wide.
+fn long(angle: f64) -> Option<Footprint> {
+    let (sin, cos) = angle.sin_cos();
+    Some(Footprint {
+        major: DVec3::new(cos, sin, 0.0) * 0.16,
+        minor: 0.04,
+    })
 }
 
 /// Mean irradiance gathered along a line beside the wall: straight from the
@@ -62,7 +79,7 @@ fn beside(scene: &Scene, x: f64) -> [f64; 2] {
         let hit = scene.world.closest(&ray, f64::INFINITY).expect("the floor");
         let point = scene.world.surface(&ray, &hit);
         let at = DiffusePoint::new(point, ray.dir, Rgb::WHITE);
-        let found = gather(&ctx, &map, &at, RADIUS, (u * 97.0).fract());
+        let found = gather(&ctx, &map, &at, &KERNELS, (u * 97.0).fract());
         sums[0] += found.irradiance[0] / f64::from(count);
         sums[1] += found.bounced[0] / f64::from(count);
     }
@@ -74,7 +91,7 @@ fn a_wall_neither_leaks_nor_darkens() {
     let wall = "(shape: Quad(corner: (0, -2, -0.1), u: (0, 4, 0), v: (0, 0, 1)), material: Diffuse(reflectance: 0)),";
     let (walled, open) = (scene(wall), scene(""));
     for x in [0.003, 0.02, 0.05, 0.09] {
-        // Twenty-four probes know the lost share to a few per cent.
+        // Twenty-four directions know the lost share to a few per cent.
         let [straight, bounced] = beside(&walled, x);
         assert!(
             (straight - 0.75).abs() < 0.75 * 0.04,

@@ -50,7 +50,7 @@ fn mirrored_furnace() {
              (shape: Disc(center: (0, 0, 0), normal: (0, 0, 1), radius: 1.1), material: \"mirror\")"
         ),
         &format!("Point(position: (0, 0, {height}), power: 20)"),
-        "photons: 16384, radius: 8",
+        "photons: 65536",
     );
     let from = |z: f64| {
         let to = DVec3::new(0.0, 0.0, z) - place;
@@ -115,7 +115,7 @@ fn a_thin_pane_dims_and_mirrors() {
                 pane(2.0 / 3.0 * x)
             ),
             &lamp(x),
-            "photons: 65536, radius: 8, indirect: false",
+            "photons: 65536, radius: 1, indirect: false",
         );
         let r = reflectance((x / 3.0).atan(), 1.5);
         let mirrored = 2.0 * r / (1.0 + r);

@@ -5,6 +5,7 @@ use std::{f64::consts::PI, path::Path, sync::Arc};
 
 use glam::DVec3;
 use nephroid::{
+    camera::Filter,
     geometry::{Shape, Transform},
     light::Light,
     material::Material,
@@ -99,6 +100,25 @@ fn the_documentation_names_every_setting_with_its_default() {
             .expect("a row");
         assert!(row.ends_with(&format!("| {default} |")), "{row}");
     }
+}
+
+/// Every filter can be written, the documentation has a row for each, and the
+/// default is the one it names.
+#[test]
+fn filters() {
+    let docs = include_str!("../docs/scene-format.md");
+    let image = |rest: &str| parse(&with(&format!("image: (width: 8, height: 6{rest}),"))).filter;
+    for filter in [Filter::Box, Filter::Gaussian, Filter::BlackmanHarris] {
+        assert_eq!(image(&format!(", filter: {filter:?}")), filter);
+        assert!(docs.contains(&format!("\n| `{filter:?}` | ")), "{filter:?}");
+    }
+    assert_eq!(image(""), Filter::default());
+    let row = docs
+        .lines()
+        .find(|l| l.starts_with("| `filter` |"))
+        .expect("a row");
+    let default = format!("| `{:?}` |", Filter::default());
+    assert!(row.ends_with(&default), "{row}");
 }
 
 #[test]

@@ -151,7 +151,9 @@ fn lobes_are_chosen_by_fresnel() {
                 )
                 .expect("a specular surface");
                 if s > ratio {
-                    assert!(matches!(found, Lobes::One(l) if l.bent && l.weight == Rgb::WHITE));
+                    assert!(
+                        matches!(found, Lobes::One(l) if l.is_bent() && l.weight == Rgb::WHITE)
+                    );
                     continue;
                 }
                 let (i, t) = (degrees.to_radians(), (s / ratio).asin());

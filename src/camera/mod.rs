@@ -4,6 +4,10 @@
 //! the image, x runs right, y runs down; pixel `(i, j)` covers
 //! `[i, i + 1) x [j, j + 1)`.
 
+mod filter;
+
+pub use filter::Filter;
+
 use glam::{DVec2, DVec3};
 
 use crate::{geometry::Ray, numeric::trig};

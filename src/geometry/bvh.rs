@@ -107,6 +107,9 @@ impl Bvh {
         t_max: f64,
         leaf: impl FnMut(Range<usize>, f64) -> f64,
     ) -> f64 {
+        if self.nodes.is_empty() {
+            return t_max;
+        }
         let Some(ray) = self.space.enter(origin, dir, t_max) else {
             return t_max;
         };

@@ -67,6 +67,7 @@ impl SurfacePoint {
 
     /// The point pushed out of its own error box, each coordinate rounded
     /// away from the surface.
+    #[inline]
     fn offset(&self, dir: DVec3) -> DVec3 {
         let reach = self.error * (self.ng.x.abs() + self.ng.y.abs() + self.ng.z.abs());
         let side = if self.ng.dot(dir) < 0.0 {
@@ -74,21 +75,51 @@ impl SurfacePoint {
         } else {
             reach
         };
-        let push = |p: f64, n: f64| {
-            let o = p + side * n;
-            let towards = side * n;
-            if towards > 0.0 {
-                o.next_up()
-            } else if towards < 0.0 {
-                o.next_down()
-            } else {
-                o
-            }
-        };
+        let push = |p: f64, n: f64| next_towards(p + side * n, side * n);
         DVec3::new(
             push(self.p.x, self.ng.x),
             push(self.p.y, self.ng.y),
             push(self.p.z, self.ng.z),
         )
+    }
+}
+
+/// The float after the finite `x` on the side of a positive or negative
+/// `side`; `x` itself if `side` is zero. As [`f64::next_up`] and its
+/// counterpart, without branches on signs, which a processor cannot foresee.
+#[inline]
+fn next_towards(x: f64, side: f64) -> f64 {
+    // The bits of a float count its magnitude.
+    let step = if (x > 0.0) == (side > 0.0) {
+        1
+    } else {
+        u64::MAX
+    };
+    let moved = f64::from_bits(x.to_bits().wrapping_add(step));
+    let moved = if x == 0.0 {
+        f64::from_bits(1).copysign(side)
+    } else {
+        moved
+    };
+    if side == 0.0 { x } else { moved }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn next_floats_are_those_of_the_standard_library() {
+        let least = f64::from_bits(1);
+        for x in [0.0, least, f64::MIN_POSITIVE, 0.3, 1.0, 2.0, 1e300] {
+            for x in [x, -x, x.next_up(), x.next_down()] {
+                for side in [least, 1.0, 1e9] {
+                    assert_eq!(next_towards(x, side), x.next_up(), "{x:e}");
+                    assert_eq!(next_towards(x, -side), x.next_down(), "{x:e}");
+                }
+                assert_eq!(next_towards(x, 0.0), x);
+                assert_eq!(next_towards(x, -0.0), x);
+            }
+        }
     }
 }

@@ -7,9 +7,11 @@ mod tests;
 use glam::DVec3;
 
 use super::{
-    Aabb, BoundingSphere, Transform,
+    Aabb, BoundingSphere, Transform, Turning,
     bvh::Bvh,
     shape::{ShapeHit, ShapePoint, ShearedRay, point_at, triangle_normal},
+    transform::unit,
+    turning::outer,
 };
 use crate::numeric::gamma;
 
@@ -65,7 +67,7 @@ impl TriangleMesh {
         let mut mesh = Self {
             triangles: order.iter().map(|&i| triangles[i as usize]).collect(),
             positions,
-            normals: normals.map(|n| n.into_iter().map(super::transform::unit).collect()),
+            normals: normals.map(|n| n.into_iter().map(unit).collect()),
             bvh,
             bounds: Aabb::EMPTY,
             sphere: BoundingSphere {
@@ -255,31 +257,56 @@ impl TriangleMesh {
     /// See [`Shape::surface`](super::Shape::surface).
     #[inline]
     pub fn surface(&self, _origin: DVec3, _dir: DVec3, hit: &ShapeHit) -> ShapePoint {
-        let triangle = &self.triangles[hit.part as usize];
-        let corners = self.corners(triangle);
-        let (p, error) = point_at(&corners, hit.uv);
-        // Degenerate triangles were dropped; the fallback is never taken.
-        let ng = triangle_normal(&corners).unwrap_or(DVec3::Z);
-        ShapePoint {
-            p,
-            error,
-            ng,
-            ns: self.shading_normal(triangle, ng, hit.uv),
-        }
+        let (p, error) = point_at(&self.triangle(hit.part), hit.uv);
+        let (ng, ns) = self.normals(hit.part, hit.uv);
+        ShapePoint { p, error, ng, ns }
     }
 
-    /// The interpolated normal. Each corner's normal is on the side of `ng`
-    /// or replaced by it, and weights are not negative: so is their sum.
-    fn shading_normal(&self, triangle: &[u32; 3], ng: DVec3, uv: [f64; 2]) -> DVec3 {
-        let Some(normals) = &self.normals else {
-            return ng;
+    /// The geometric and the shading normal at a point of a part.
+    #[inline]
+    pub(super) fn normals(&self, part: u32, uv: [f64; 2]) -> (DVec3, DVec3) {
+        let triangle = &self.triangles[part as usize];
+        let ng = normal_of(&self.corners(triangle));
+        let smooth = self
+            .corner_normals(triangle, ng)
+            .and_then(|n| between(&n, uv).try_normalize());
+        (ng, smooth.filter(|ns| ns.dot(ng) > 0.0).unwrap_or(ng))
+    }
+
+    /// How the shading normal turns at a point of a part: the derivative of
+    /// the normalised mean of the corners' normals.
+    pub(super) fn turning(&self, part: u32, uv: [f64; 2]) -> Turning {
+        let triangle = &self.triangles[part as usize];
+        let corners = self.corners(triangle);
+        let ng = normal_of(&corners);
+        let smooth = self.corner_normals(triangle, ng).and_then(|normals| {
+            let mean = between(&normals, uv);
+            let ns = mean.try_normalize().filter(|ns| ns.dot(ng) > 0.0)?;
+            Some((normals, ns, mean.length()))
+        });
+        let Some(([a, b, c], ns, length)) = smooth else {
+            return Turning::of_facet(&corners);
         };
-        let [a, b, c] = triangle.map(|i| {
+        // The weight of a vertex grows away from the opposite edge. Only the
+        // direction of that edge matters, so that its length may be anything.
+        let (e, f) = (corners[1] - corners[0], corners[2] - corners[0]);
+        let gradient = |to: DVec3, opposite: DVec3| {
+            let across = unit(opposite).cross(ng);
+            across / to.dot(across)
+        };
+        let turn = |n: DVec3| (n - ns * ns.dot(n)) / length;
+        Turning::General(outer(turn(b - a), gradient(e, f)) + outer(turn(c - a), gradient(f, e)))
+    }
+
+    /// The normals at the corners, each on the side of `ng` or replaced by
+    /// it; `None` if the mesh has none.
+    #[inline]
+    fn corner_normals(&self, triangle: &[u32; 3], ng: DVec3) -> Option<[DVec3; 3]> {
+        let normals = self.normals.as_ref()?;
+        Some(triangle.map(|i| {
             let n = normals[i as usize];
             if n.dot(ng) > 0.0 { n } else { ng }
-        });
-        let ns = (a * (1.0 - uv[0] - uv[1]).max(0.0) + b * uv[0] + c * uv[1]).normalize_or(ng);
-        if ns.dot(ng) > 0.0 { ns } else { ng }
+        }))
     }
 
     /// See [`Shape::bounds`](super::Shape::bounds).
@@ -298,4 +325,18 @@ impl TriangleMesh {
         let margin = transform.point_error(farthest, gamma(16) * farthest.max_element());
         Aabb::around(self.positions.iter().map(|&p| transform.point(p))).padded(margin)
     }
+}
+
+/// The unit normal of a triangle that was kept.
+#[inline]
+fn normal_of(corners: &[DVec3; 3]) -> DVec3 {
+    // Degenerate triangles were dropped; the fallback is never taken.
+    triangle_normal(corners).unwrap_or(DVec3::Z)
+}
+
+/// The mean of the corners' normals. Each is on the side of the geometric
+/// normal, and weights are not negative: so is their sum.
+#[inline]
+fn between([a, b, c]: &[DVec3; 3], uv: [f64; 2]) -> DVec3 {
+    *a * (1.0 - uv[0] - uv[1]).max(0.0) + *b * uv[0] + *c * uv[1]
 }

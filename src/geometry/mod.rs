@@ -14,6 +14,7 @@
 //!   `Plane`, `Quad` and `Disc` it is the stated normal; on triangles it
 //!   follows the counter-clockwise winding. It does not depend on the ray.
 //!   `ns` is the shading normal, on the same side as `ng`.
+//!   [`World::turning`] tells how `ns` changes around a hit.
 //! - A ray that leaves a surface carries its [`SurfaceId`]: flat surfaces are
 //!   then skipped, curved ones drop the root at zero analytically. There is
 //!   no epsilon to tune.
@@ -27,6 +28,7 @@ mod near;
 pub mod ray;
 pub mod shape;
 pub mod transform;
+pub mod turning;
 pub mod world;
 
 pub use bounds::{Aabb, BoundingSphere};
@@ -35,4 +37,5 @@ pub use mesh::TriangleMesh;
 pub use ray::{Ray, SurfaceId};
 pub use shape::Shape;
 pub use transform::Transform;
+pub use turning::Turning;
 pub use world::{Instance, World};

@@ -9,21 +9,46 @@ use glam::DVec3;
 use super::{Instance, Ray, Shape, TriangleMesh, World};
 
 impl World {
-    /// The instances but `except` whose surface may come within `radius`
-    /// metres of `p`.
-    pub fn neighbours(&self, p: DVec3, radius: f64, except: u32) -> Vec<u32> {
+    /// The instances that `counts` names whose surface may come within
+    /// `radius` metres of `p`, and a lower bound of the distance to all of
+    /// them, `radius` if there are none.
+    pub fn neighbours(
+        &self,
+        p: DVec3,
+        radius: f64,
+        counts: impl Fn(u32) -> bool,
+    ) -> (Vec<u32>, f64) {
         let mut found = Vec::new();
+        let mut clear = radius;
         let mut ask = |i: u32| {
-            if i != except && self.instances()[i as usize].comes_near(p, radius) {
+            if !counts(i) {
+                return;
+            }
+            let bound = self.instances()[i as usize].distance_bound(p, radius);
+            if bound <= radius {
+                clear = clear.min(bound);
                 found.push(i);
             }
         };
-        self.unbounded().iter().copied().for_each(&mut ask);
+        self.apart().iter().copied().for_each(&mut ask);
         self.bvh().near(p, radius, |slots| {
             self.in_slots(slots).iter().copied().for_each(&mut ask);
             false
         });
-        found
+        (found, clear)
+    }
+
+    /// The distance at which a ray meets the first of the named instances,
+    /// if it does before `t_max` metres.
+    pub fn closest_of(&self, instances: &[u32], ray: &Ray, t_max: f64) -> Option<f64> {
+        let mut nearest = None;
+        for &i in instances {
+            let leaving = super::world::leaving_part(ray, i);
+            let t_max = nearest.unwrap_or(t_max);
+            let hit = self.instances()[i as usize].intersect(ray, t_max, leaving);
+            nearest = hit.map(|h| h.t).or(nearest);
+        }
+        nearest
     }
 
     /// Whether a ray meets any of the named instances at `0 < t < t_max`.
@@ -36,45 +61,60 @@ impl World {
 }
 
 impl Instance {
-    fn comes_near(&self, p: DVec3, radius: f64) -> bool {
+    /// A lower bound of the distance from `p` to the surface, in metres;
+    /// exact enough only below `within`.
+    fn distance_bound(&self, p: DVec3, within: f64) -> f64 {
         match &self.transform {
-            None => self.shape.comes_near(p, radius),
-            Some(m) => self
-                .shape
-                .comes_near(m.inverse_point(p), radius * m.inverse_stretch()),
+            None => self.shape.distance_bound(p, within),
+            Some(m) => {
+                let stretch = m.inverse_stretch();
+                self.shape
+                    .distance_bound(m.inverse_point(p), within * stretch)
+                    / stretch
+            }
         }
     }
 }
 
 impl Shape {
-    /// Whether the surface may come within `radius` of `p`, in the shape's
-    /// own space.
-    pub fn comes_near(&self, p: DVec3, radius: f64) -> bool {
-        let plane = |point: DVec3, normal: DVec3| (p - point).dot(normal).abs() <= radius;
+    /// A lower bound of the distance from `p` to the surface, in the shape's
+    /// own space. Meshes look no further than `within`.
+    pub fn distance_bound(&self, p: DVec3, within: f64) -> f64 {
+        let plane = |point: DVec3, normal: DVec3| (p - point).dot(normal).abs();
         match self {
             Self::Plane(s) => plane(s.point(), s.normal()),
             Self::Quad(s) => plane(s.corner(), s.normal()),
             Self::Disc(s) => plane(s.center(), s.normal()),
             Self::Triangle(s) => plane(s.vertices()[0], s.normal()),
-            Self::Sphere(s) => (p.distance(s.center()) - s.radius()).abs() <= radius,
+            Self::Sphere(s) => (p.distance(s.center()) - s.radius()).abs(),
             Self::Cylinder(s) => {
                 let f = p - s.base();
                 let along = f.dot(s.axis());
                 let across = (f - s.axis() * along).length();
-                let side = (across - s.radius()).abs() <= radius;
-                let caps = along.abs() <= radius || (along - s.length()).abs() <= radius;
-                side || (s.is_capped() && caps)
+                let side = (across - s.radius()).abs();
+                if s.is_capped() {
+                    side.min(along.abs()).min((along - s.length()).abs())
+                } else {
+                    side
+                }
             }
-            Self::Mesh(m) => m.comes_near(p, radius),
+            Self::Mesh(m) => m.distance_bound(p, within),
         }
     }
 }
 
 impl TriangleMesh {
-    /// Whether the box of a few neighbouring triangles comes within `radius`
-    /// of `p`.
-    fn comes_near(&self, p: DVec3, radius: f64) -> bool {
-        self.bvh().near(p, radius, |_| true)
+    /// Down to a small part of `within`, by halving: the distance to the boxes
+    /// of a few neighbouring triangles.
+    fn distance_bound(&self, p: DVec3, within: f64) -> f64 {
+        let mut bound = within;
+        for _ in 0..4 {
+            if !self.bvh().near(p, bound, |_| true) {
+                return bound;
+            }
+            bound *= 0.25;
+        }
+        0.0
     }
 }
 
@@ -152,15 +192,18 @@ mod tests {
                     let p =
                         DVec3::new(s.next_1d(), s.next_1d(), s.next_1d()) * 4.0 - DVec3::splat(2.0);
                     let radius = 0.3 * s.next_1d();
-                    let crowded = !world.neighbours(p, radius, u32::MAX).is_empty();
+                    let (found, bound) = world.neighbours(p, radius, |_| true);
+                    let crowded = !found.is_empty();
                     let ray = Ray::new(p, warp::sphere(s.next_2d()).normalize());
-                    if world.closest(&ray, radius).is_some() {
+                    if let Some(hit) = world.closest(&ray, radius) {
                         assert!(crowded, "{shape:?} is within {radius} of {p}");
+                        assert!(bound <= hit.t * (1.0 + 1e-12), "{bound} against {}", hit.t);
+                        assert_eq!(world.closest_of(&[0], &ray, radius), Some(hit.t));
                         near += 1;
                     }
                     clear += u32::from(!crowded);
                     assert!(
-                        world.neighbours(p, radius, 0).is_empty(),
+                        world.neighbours(p, radius, |i| i != 0).0.is_empty(),
                         "the exception is left out"
                     );
                 }

@@ -2,7 +2,7 @@
 
 use glam::{DAffine3, DMat3, DVec3};
 
-use super::{Aabb, BoundingSphere};
+use super::{Aabb, BoundingSphere, turning::outer};
 use crate::numeric::{U, gamma};
 
 /// An invertible affine map from object space to world space.
@@ -16,6 +16,7 @@ pub struct Transform {
     inverse: DMat3,
     translation: DVec3,
     flips: bool,
+    similarity: Option<f64>,
 }
 
 impl Transform {
@@ -49,12 +50,20 @@ impl Transform {
             inverse,
             translation: map.translation,
             flips: det < 0.0,
+            similarity: scale_of_similarity(m),
         })
     }
 
     /// True if the map mirrors: right-handed becomes left-handed.
     pub fn flips(&self) -> bool {
         self.flips
+    }
+
+    /// The factor by which the map stretches all vectors alike, if it does to
+    /// rounding.
+    #[inline]
+    pub fn similarity(&self) -> Option<f64> {
+        self.similarity
     }
 
     /// An object point in the world.
@@ -74,6 +83,23 @@ impl Transform {
     #[inline]
     pub fn normal(&self, n: DVec3) -> DVec3 {
         unit(self.inverse.transpose() * n)
+    }
+
+    /// True if two object normals are on the same side of each other's plane
+    /// in the world: the map may open the angle between them.
+    pub(super) fn agree(&self, a: DVec3, b: DVec3) -> bool {
+        self.normal(a).dot(self.normal(b)) > 0.0
+    }
+
+    /// The derivative of a unit normal by the place on a surface, from object
+    /// space to the world, where the normal is `n`.
+    pub(super) fn turning(&self, own: DMat3, n: DVec3) -> DMat3 {
+        // The object normal comes back as M^T n, and has unit length after
+        // division by the factor by which M^-T has stretched it.
+        let shrunk = (self.linear.transpose() * n).length();
+        let turned = self.inverse.transpose() * own * self.inverse * shrunk;
+        // Normalising takes away what is along the normal.
+        turned - outer(n, turned.transpose() * n)
     }
 
     /// A world point in object space.
@@ -182,6 +208,19 @@ pub(super) fn power_of_two_near(x: f64) -> f64 {
     } else {
         1.0
     }
+}
+
+/// The factor by which a matrix stretches all vectors; `None` if it does not
+/// treat them alike. A rotation times a scale, multiplied by another one, is
+/// about sixteen roundings from exact.
+fn scale_of_similarity(m: DMat3) -> Option<f64> {
+    let columns = [m.x_axis, m.y_axis, m.z_axis];
+    let [x, y, z] = columns.map(DVec3::length_squared);
+    let off = [(0, 1), (1, 2), (2, 0)].map(|(i, j)| columns[i].dot(columns[j]).abs());
+    let uneven = (x - y).abs().max((y - z).abs()).max((z - x).abs());
+    let noise = gamma(16) * x;
+    let even = uneven <= noise && off.into_iter().all(|d| d <= noise);
+    even.then(|| x.sqrt())
 }
 
 fn absolute(m: DMat3) -> DMat3 {

@@ -28,7 +28,11 @@ impl Instance {
 
     /// The nearest hit of a world-space ray with `0 < t < t_max`; `leaving`
     /// is the part of this instance on which it starts.
-    #[inline]
+    #[allow(
+        clippy::inline_always,
+        reason = "so that a hit stays in registers, see `World::nearer`"
+    )]
+    #[inline(always)]
     pub fn intersect(&self, ray: &Ray, t_max: f64, leaving: Option<u32>) -> Option<ShapeHit> {
         let (origin, dir) = self.own_ray(ray);
         self.shape.intersect(origin, dir, t_max, leaving)
@@ -59,6 +63,10 @@ impl Instance {
     }
 }
 
+/// Up to this many bounded instances are tested one after the other: entering
+/// a tree and walking its root costs about as much as eight tests.
+const FEW: usize = 10;
+
 /// All instances, and the tree over those that are bounded.
 #[derive(Clone, Debug)]
 pub struct World {
@@ -66,7 +74,8 @@ pub struct World {
     bvh: Bvh,
     /// The instance in each slot of the tree.
     slots: Vec<u32>,
-    unbounded: Vec<u32>,
+    /// The instances that are not in the tree and tested against every ray.
+    apart: Vec<u32>,
     boxes: Vec<Option<Aabb>>,
     spheres: Vec<Option<BoundingSphere>>,
 }
@@ -76,49 +85,79 @@ impl World {
     pub fn new(instances: Vec<Instance>) -> Self {
         let boxes: Vec<_> = instances.iter().map(Instance::bounds).collect();
         let spheres = instances.iter().map(Instance::bounding_sphere).collect();
-        let bounded: Vec<(u32, Aabb)> = (0..)
-            .zip(&boxes)
-            .filter_map(|(i, b)| b.map(|b| (i, b)))
-            .collect();
-        let unbounded = (0..)
-            .zip(&boxes)
-            .filter(|(_, b)| b.is_none())
-            .map(|(i, _)| i)
-            .collect();
+        let mut apart = Vec::new();
+        let mut bounded: Vec<(u32, Aabb)> = Vec::new();
+        let few = boxes.iter().flatten().count() <= FEW;
+        for (i, b) in (0..).zip(&boxes) {
+            match b {
+                Some(b) if !few => bounded.push((i, *b)),
+                _ => apart.push(i),
+            }
+        }
         let (bvh, order) = Bvh::build(bounded.len(), 1, |i| bounded[i].1);
         let slots = order.into_iter().map(|i| bounded[i as usize].0).collect();
         Self {
             instances,
             bvh,
             slots,
-            unbounded,
+            apart,
             boxes,
             spheres,
         }
     }
 
     /// The nearest hit with `0 < t < t_max` metres.
+    #[allow(
+        clippy::inline_always,
+        reason = "a ray just made is still in registers: from memory it would have to be \
+                  read by halves, as it was written"
+    )]
+    #[inline(always)]
     pub fn closest(&self, ray: &Ray, t_max: f64) -> Option<Hit> {
         let mut best = None;
-        let mut test = |instance: u32, t_max: f64| -> f64 {
-            let found = self
-                .instance(instance)
-                .intersect(ray, t_max, leaving_part(ray, instance));
-            let Some(ShapeHit { t, part, uv }) = found else {
-                return t_max;
-            };
-            best = Some(Hit {
-                t,
-                surface: SurfaceId { instance, part },
-                uv,
-            });
-            t
-        };
-        let t = self.unbounded.iter().fold(t_max, |t, &i| test(i, t));
-        self.bvh.closest(ray.origin, ray.dir, t, |slots, t| {
-            self.slots[slots].iter().fold(t, |t, &i| test(i, t))
+        let mut t = t_max;
+        for &i in &self.apart {
+            t = self.nearer(i, ray, t, &mut best);
+        }
+        if self.slots.is_empty() {
+            best
+        } else {
+            self.closest_in_tree(ray, t, best)
+        }
+    }
+
+    /// The nearest hit on an instance in the tree with `0 < t < t_max`, or
+    /// else `best`.
+    #[inline(never)]
+    fn closest_in_tree(&self, ray: &Ray, t_max: f64, mut best: Option<Hit>) -> Option<Hit> {
+        self.bvh.closest(ray.origin, ray.dir, t_max, |slots, t| {
+            let test = |t, &i: &u32| self.nearer(i, ray, t, &mut best);
+            self.slots[slots].iter().fold(t, test)
         });
         best
+    }
+
+    /// Puts a hit on an instance before `t_max` into `best`; returns the
+    /// smaller of its `t` and `t_max`.
+    #[allow(
+        clippy::inline_always,
+        reason = "one call per ray and instance; the hit stays in registers"
+    )]
+    #[inline(always)]
+    fn nearer(&self, instance: u32, ray: &Ray, t_max: f64, best: &mut Option<Hit>) -> f64 {
+        let leaving = leaving_part(ray, instance);
+        let Some(hit) = self.instance(instance).intersect(ray, t_max, leaving) else {
+            return t_max;
+        };
+        *best = Some(Hit {
+            t: hit.t,
+            surface: SurfaceId {
+                instance,
+                part: hit.part,
+            },
+            uv: hit.uv,
+        });
+        hit.t
     }
 
     /// True if there is any hit with `0 < t < t_max` metres on an instance
@@ -126,13 +165,14 @@ impl World {
     pub fn occluded(&self, ray: &Ray, t_max: f64, ignore: impl Fn(u32) -> bool) -> bool {
         let blocks =
             |&i: &u32| !ignore(i) && self.instance(i).occludes(ray, t_max, leaving_part(ray, i));
-        self.unbounded.iter().any(blocks)
+        self.apart.iter().any(blocks)
             || self.bvh.any(ray.origin, ray.dir, t_max, |slots| {
                 self.slots[slots].iter().any(blocks)
             })
     }
 
     /// The point at a hit that this world has returned for the same ray.
+    #[inline]
     pub fn surface(&self, ray: &Ray, hit: &Hit) -> SurfacePoint {
         let instance = self.instance(hit.surface.instance);
         let (origin, dir) = instance.own_ray(ray);
@@ -188,7 +228,7 @@ impl World {
         self.spheres[instance as usize]
     }
 
-    /// The tree over bounded instances.
+    /// The tree over bounded instances; empty if they are few.
     pub(super) fn bvh(&self) -> &Bvh {
         &self.bvh
     }
@@ -199,8 +239,8 @@ impl World {
     }
 
     /// The instances that are not in the tree.
-    pub(super) fn unbounded(&self) -> &[u32] {
-        &self.unbounded
+    pub(super) fn apart(&self) -> &[u32] {
+        &self.apart
     }
 
     #[inline]

@@ -26,6 +26,7 @@ pub fn quadratic(a: f64, h: f64, k: f64) -> Roots {
 
 /// The same with the reduced discriminant `h^2 - a k` given by the caller,
 /// who may know a better formula for it.
+#[inline]
 pub fn quadratic_with_discriminant(a: f64, h: f64, k: f64, discriminant: f64) -> Roots {
     if a == 0.0 {
         let t = -k / (2.0 * h);

@@ -35,7 +35,12 @@ pub fn fresnel(cos_i: f64, eta: f64) -> Interface {
             transmittance: 1.0,
         };
     }
-    let numerator = difference_of_products(c, c, 1.0 - eta, 1.0 + eta);
+    // Into the denser medium both terms are positive and nothing cancels.
+    let numerator = if eta > 1.0 {
+        c * c + (eta - 1.0) * (eta + 1.0)
+    } else {
+        difference_of_products(c, c, 1.0 - eta, 1.0 + eta)
+    };
     if numerator <= 0.0 {
         return Interface::Total;
     }

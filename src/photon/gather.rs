@@ -1,74 +1,135 @@
 //! Asking the map at a surface point, with what stands around it.
 
+use std::f64::consts::TAU;
+
 use glam::DVec3;
 
 use crate::{
+    material::Material,
     numeric::{Frame, trig},
     transport::{Context, DiffusePoint},
 };
 
-use super::{Gathered, PhotonMap};
+use super::{Ellipse, Gathered, PhotonMap, Query};
 
-/// Places at which a kernel that walls cut is probed for what is left of it.
-const PROBES: u32 = 24;
+/// Directions in which walls around a gather point are looked for.
+const DIRECTIONS: usize = 24;
 
-/// Irradiance at a diffuse point by the photons within `radius` metres, those
-/// behind other surfaces left out, and the kernel's lost part made up for.
-/// `u` in `[0, 1)` turns the pattern of probes.
+/// Smallest share of a kernel that is made up for: in a narrow gap the share
+/// is not known well enough to divide by it.
+const LEAST_SHARE: f64 = 1.0 / 12.0;
+
+/// Kernel sizes of a gather point in metres; see [`Query`].
+#[derive(Clone, Copy, Debug)]
+pub struct Kernels {
+    /// Smallest semi-axis.
+    pub least: f64,
+    /// Largest semi-axis of caustics.
+    pub most: f64,
+    /// Largest semi-axis of light reflected after it was a caustic.
+    pub most_bounced: f64,
+    /// Radius where a photon has no footprint.
+    pub blind: f64,
+    /// Whether caustics are asked for, or only such reflected light.
+    pub caustics: bool,
+}
+
+/// Irradiance at a diffuse point by the photons whose kernels reach it, those
+/// behind walls left out, and the kernels' lost parts made up for. `u` in
+/// `[0, 1)` turns the pattern in which walls are looked for.
 ///
 /// Without the first, light would leak through thin walls; without the second,
-/// floors would darken along them. Nothing of this is paid where no other
-/// surface comes near.
+/// floors would darken along them. Nothing of this is paid where no wall comes
+/// near.
 pub fn gather(
     ctx: &Context<'_>,
     map: &PhotonMap,
     at: &DiffusePoint,
-    radius: f64,
+    kernels: &Kernels,
     u: f64,
 ) -> Gathered {
+    let query = Query {
+        p: at.point.p,
+        n: at.ng,
+        least: kernels.least,
+        most: kernels.most,
+        most_bounced: kernels.most_bounced,
+        blind: kernels.blind,
+        caustics: kernels.caustics,
+    };
+    if map.is_empty() {
+        return Gathered::default();
+    }
     let world = &ctx.scene.world;
     let own = at.point.surface.instance;
-    let mut walls = world.neighbours(at.point.p, radius, own);
-    // What lets light through in a straight line is no wall.
-    walls.retain(|&i| !ctx.scene.objects[i as usize].material.is_straight());
+    let farthest = query.farthest();
+    let (walls, clear) = world.neighbours(at.point.p, farthest, |i| {
+        i != own && is_wall(&ctx.scene.objects[i as usize].material)
+    });
     if walls.is_empty() {
-        return map.irradiance(at.point.p, at.ng, radius, |_| true);
+        return map.irradiance(&query, |_, _| 1.0);
     }
-    let sees = |q: DVec3| {
-        let way = at.point.spawn_towards(q);
-        way.is_none_or(|(ray, distance)| !world.occluded_by(&walls, &ray, distance))
-    };
-    let found = map.irradiance(at.point.p, at.ng, radius, sees);
-    if found.irradiance.is_black() && found.bounced.is_black() {
-        return found;
-    }
-    let share = seen_share(at, radius, u, sees);
-    Gathered {
-        irradiance: found.irradiance / share,
-        bounced: found.bounced / share,
-        ..found
+    let horizon = std::cell::OnceCell::new();
+    map.irradiance(&query, |offset, ellipse| {
+        // Where no part of the kernel comes to a wall, nothing is to be done.
+        if ellipse.major <= clear {
+            return 1.0;
+        }
+        let seen = offset.length_squared() <= clear * clear || {
+            let way = at.point.spawn_towards(at.point.p + offset);
+            way.is_none_or(|(ray, distance)| !world.occluded_by(&walls, &ray, distance))
+        };
+        if !seen {
+            return 0.0;
+        }
+        let horizon = horizon.get_or_init(|| Horizon::around(ctx, at, &walls, farthest, u));
+        1.0 / horizon.share(ellipse)
+    })
+}
+
+/// Whether a surface separates what lies on its two sides: light that passes
+/// glass is no leak.
+fn is_wall(material: &Material) -> bool {
+    match material {
+        Material::Diffuse { .. } | Material::Mirror { .. } | Material::Black => true,
+        Material::Dielectric { .. } => false,
     }
 }
 
-/// The share of the kernel's mass over the tangent plane that `sees` accepts,
-/// above 0.
-fn seen_share(at: &DiffusePoint, radius: f64, u: f64, sees: impl Fn(DVec3) -> bool) -> f64 {
-    /// A full turn over the golden ratio squared: the sunflower's angle, which
-    /// spreads any number of probes evenly.
-    const GOLDEN_ANGLE: f64 = 2.399_963_229_728_653;
-    let frame = Frame::around(at.ng);
-    let (mut seen, mut all) = (0.0, 0.0);
-    for i in 0..PROBES {
-        // Equal areas of the disc; the kernel's height is the weight.
-        let r2 = (f64::from(i) + 0.5) / f64::from(PROBES);
-        let (sin, cos) = trig::sin_cos(std::f64::consts::TAU * u + GOLDEN_ANGLE * f64::from(i));
-        let r = radius * r2.sqrt();
-        let weight = 1.0 - r2;
-        all += weight;
-        if sees(at.point.p + frame.s * (r * cos) + frame.t * (r * sin)) {
-            seen += weight;
-        }
+/// How far the tangent plane around a point is free of walls.
+struct Horizon {
+    /// Unit directions and the free way along each, in metres.
+    free: [(DVec3, f64); DIRECTIONS],
+}
+
+impl Horizon {
+    fn around(ctx: &Context<'_>, at: &DiffusePoint, walls: &[u32], farthest: f64, u: f64) -> Self {
+        let frame = Frame::around(at.ng);
+        let free = std::array::from_fn(|i| {
+            let (sin, cos) = trig::sin_cos(TAU * (i as f64 + u) / DIRECTIONS as f64);
+            let dir = (frame.s * cos + frame.t * sin).normalize();
+            let ray = at.point.spawn(dir);
+            let met = ctx.scene.world.closest_of(walls, &ray, farthest);
+            (dir, met.unwrap_or(f64::INFINITY))
+        });
+        Self { free }
     }
-    // The point itself is seen, whatever the probes say: a photon was.
-    seen.max(1.0) / all
+
+    /// The share of a kernel around the point that walls leave, above 0.
+    fn share(&self, ellipse: &Ellipse) -> f64 {
+        let (a2, b2) = (ellipse.major * ellipse.major, ellipse.minor * ellipse.minor);
+        let (mut left, mut all) = (0.0, 0.0);
+        for &(dir, free) in &self.free {
+            let c = dir.dot(ellipse.axis);
+            let c2 = c * c;
+            // The squared way to the ellipse's rim, and the part of the
+            // kernel's mass within a smaller way, 2 x - x^2 for x its square
+            // over that of the rim.
+            let rim2 = a2 * b2 / (b2 * c2 + a2 * (1.0 - c2).max(0.0));
+            let x = (free * free / rim2).min(1.0);
+            all += rim2;
+            left += rim2 * x * (2.0 - x);
+        }
+        (left / all).max(LEAST_SHARE)
+    }
 }

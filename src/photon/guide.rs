@@ -16,7 +16,7 @@
 use rayon::prelude::*;
 
 use crate::{
-    sampling::{GUIDE_DIMENSIONS, Guide, Sequence, Weighed},
+    sampling::{GUIDE_DIMENSIONS, Guide, Sequence, Stream, Weighed},
     transport::Context,
 };
 
@@ -72,7 +72,7 @@ impl Rehearsal {
             .map(|c| {
                 let mut chunk = Self::default();
                 for index in c * CHUNK..((c + 1) * CHUNK).min(count) {
-                    chunk.trace(ctx, emitter, sequence, index);
+                    chunk.trace(ctx, emitter, sequence.at(index), count as f64);
                 }
                 chunk
             })
@@ -85,14 +85,20 @@ impl Rehearsal {
         all
     }
 
-    fn trace(&mut self, ctx: &Context<'_>, emitter: &Emitter, sequence: Sequence, index: u64) {
-        let mut stream = sequence.at(index);
+    fn trace(&mut self, ctx: &Context<'_>, emitter: &Emitter, mut stream: Stream, paths: f64) {
         let (emission, origin) = emitter.emit_from(ctx, &mut stream);
         let before = self.photons.len();
         let mut ledger = LightTally::default();
-        trace(ctx, &emission, &mut stream, &mut ledger, &mut |photon| {
-            self.photons.push(photon);
-        });
+        trace(
+            ctx,
+            &emission,
+            paths,
+            &mut stream,
+            &mut ledger,
+            &mut |photon| {
+                self.photons.push(photon);
+            },
+        );
         self.paths.push((origin, self.photons.len() - before));
     }
 

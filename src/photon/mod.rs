@@ -13,6 +13,7 @@
 mod aim;
 mod domain;
 mod emit;
+mod footprint;
 mod gather;
 mod guide;
 mod map;
@@ -22,9 +23,10 @@ mod trace;
 
 pub use aim::Aim;
 pub use emit::{Emission, Emitter};
-pub use gather::gather;
+pub use footprint::Footprint;
+pub use gather::{Kernels, gather};
 pub use guide::{Lesson, Origin, Rehearsal};
-pub use map::{BYTES_PER_PHOTON, Gathered, PhotonMap};
+pub use map::{BYTES_PER_PHOTON, Ellipse, Gathered, PhotonMap, Query};
 pub use shoot::{Shot, shoot};
 pub use tally::{LightTally, Tally};
 pub use trace::{PHOTONS_PER_PATH, Photon, trace};

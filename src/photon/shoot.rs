@@ -35,7 +35,7 @@ pub fn shoot(
         .into_par_iter()
         .map(|c| {
             let range = first + c * CHUNK..first + ((c + 1) * CHUNK).min(count);
-            shoot_chunk(ctx, emitter, sequence, range)
+            shoot_chunk(ctx, emitter, sequence, range, count as f64)
         })
         .collect();
     let mut shot = Shot {
@@ -55,6 +55,7 @@ fn shoot_chunk(
     emitter: &Emitter,
     sequence: Sequence,
     range: std::ops::Range<u64>,
+    paths: f64,
 ) -> (Vec<Photon>, Tally) {
     let mut photons = Vec::new();
     let mut tally = Tally::new(ctx.scene.lights.len());
@@ -62,7 +63,7 @@ fn shoot_chunk(
         let mut stream = sequence.at(index);
         let emission = emitter.emit(ctx, &mut stream);
         let ledger = &mut tally.lights[emission.light as usize];
-        trace(ctx, &emission, &mut stream, ledger, &mut |photon| {
+        trace(ctx, &emission, paths, &mut stream, ledger, &mut |photon| {
             photons.push(photon);
         });
     }

@@ -6,6 +6,8 @@
 //! surfaces which a camera path would have to find by chance: a focus is a
 //! small bright lamp.
 
+use std::f64::consts::PI;
+
 use glam::DVec3;
 
 use crate::{
@@ -17,7 +19,7 @@ use crate::{
     transport::{Carried, Context, Lobe, lobes},
 };
 
-use super::{Emission, LightTally, emit};
+use super::{Emission, Footprint, LightTally, emit};
 
 /// Light that landed at a finite lobe after it was reflected or bent.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -28,6 +30,8 @@ pub struct Photon {
     pub normal: DVec3,
     /// Flux in W, not yet divided by the number of emitted paths.
     pub flux: Rgb,
+    /// The patch it stands for; `None` where derivatives do not tell.
+    pub footprint: Option<Footprint>,
     /// Whether a diffuse surface reflected it on its way.
     pub bounced: bool,
 }
@@ -43,11 +47,12 @@ const ROULETTE_BELOW: f64 = 0.25;
 /// for a lobe, and one for the roulette.
 const DIMENSIONS_PER_STEP: u32 = 3;
 
-/// Follows a photon; what becomes of its flux goes into `tally`, what it
-/// leaves behind to `store`.
+/// Follows a photon, one of `paths`; what becomes of its flux goes into
+/// `tally`, what it leaves behind to `store`.
 pub fn trace(
     ctx: &Context<'_>,
     emission: &Emission,
+    paths: f64,
     stream: &mut Stream,
     tally: &mut LightTally,
     store: &mut impl FnMut(Photon),
@@ -59,6 +64,7 @@ pub fn trace(
         return;
     }
     let mut ray = emission.ray;
+    let mut differential = emission.differential;
     let (mut bent, mut bounced) = (false, false);
     for depth in 0..=ctx.max_depth {
         let Some(hit) = ctx.scene.world.closest(&ray, f64::INFINITY) else {
@@ -67,6 +73,7 @@ pub fn trace(
         };
         let point = ctx.scene.world.surface(&ray, &hit);
         let material = ctx.scene.object(hit.surface).material;
+        differential.transfer(ray.dir, hit.t, point.ng);
         if depth == 0 {
             tally.landed_paths += 1;
         }
@@ -77,14 +84,24 @@ pub fn trace(
             }
             let lobe = lobes.choose(|| stream.next_1d());
             flux = scatter(flux, &lobe, tally);
-            bent |= lobe.bent;
+            bent |= lobe.is_bent();
+            differential.chance *= lobe.share;
+            if lobe.is_bent() {
+                let turning = ctx.scene.world.turning(&hit, &point);
+                differential.bend(ray.dir, &lobe.bend, &turning);
+            }
             (lobe.dir, survival(flux, emission.flux))
         } else {
             let Some(landed) = land(&material, &point, ray.dir, flux, bent || bounced, tally)
             else {
                 return;
             };
-            store(Photon { bounced, ..landed });
+            let footprint = Footprint::new(&differential, paths, point.ng);
+            store(Photon {
+                bounced,
+                footprint,
+                ..landed
+            });
             let Material::Diffuse { reflectance } = material else {
                 return;
             };
@@ -98,7 +115,9 @@ pub fn trace(
             }
             bounced = true;
             let local = warp::cosine_hemisphere(stream.next_2d());
-            let direction = Frame::around(landed.normal).to_world(local).normalize();
+            let frame = Frame::around(landed.normal);
+            let direction = frame.to_world(local).normalize();
+            differential.restart(cosine_cell(&frame, local));
             (direction, reflectance.max())
         };
         if q < 1.0 && stream.next_1d() >= q {
@@ -107,10 +126,23 @@ pub fn trace(
         }
         tally.roulette_gain += flux.mean() * (1.0 / q - 1.0);
         flux = flux / q;
+        differential.chance *= q;
         ray = point.spawn(direction);
     }
     tally.truncated += flux.mean();
     tally.truncated_paths += 1;
+}
+
+/// Derivatives of a cosine-distributed direction by a square of the same area
+/// as the unit square: the disc below the direction is covered evenly, so any
+/// orientation serves.
+fn cosine_cell(frame: &Frame, local: DVec3) -> [DVec3; 2] {
+    let edge = PI.sqrt();
+    let z = local.z.max(f64::MIN_POSITIVE);
+    [
+        (frame.s - frame.n * (local.x / z)) * edge,
+        (frame.t - frame.n * (local.y / z)) * edge,
+    ]
 }
 
 /// The flux after a specular step, with its change booked.
@@ -175,6 +207,7 @@ fn land(
         position: point.p,
         normal,
         flux: shaded,
+        footprint: None,
         bounced: false,
     })
 }

@@ -10,19 +10,19 @@ use crate::{
     geometry::Ray,
     material::Material,
     numeric::Frame,
-    photon::{PhotonMap, gather},
+    photon::{Kernels, PhotonMap, gather},
     sampling::{Stream, warp},
     spectrum::Rgb,
     transport::{Context, DiffusePoint, End, Walker, direct_light},
 };
 
-/// Surfaces at which both the reflected and the refracted way are followed;
-/// later ones toss a coin. The first glass surface shows the light's own
-/// reflection, which a coin of a few per cent would turn into noise.
-const SPLITS: u32 = 1;
+use super::{coordinates, glints::Glints, view::view};
 
-/// First stream coordinate of a split's side path.
-const SIDE_PATH: u32 = 24;
+/// Where light divides, both ways are followed while the weaker one is
+/// stronger than this; below, a coin decides. Every single reflection in glass
+/// is then seen by all samples, with little weight, instead of by few with
+/// the weight of all.
+const SPLIT_ABOVE: f64 = 0.03;
 
 /// Shadow rays at the first diffuse surface: at least the first number, and
 /// one to each light up to the second; fewer on a path that carries less. More
@@ -31,6 +31,14 @@ const SHADOW_RAYS: [usize; 2] = [2, 8];
 
 /// Shadow rays at later diffuse surfaces.
 const LATER_SHADOW_RAYS: u32 = 1;
+
+/// Smallest and largest semi-axes of kernels over the round's scale: narrower
+/// ones than the camera resolves bring only noise, in wider ones the
+/// derivatives no longer hold. Light that was reflected after it was a caustic
+/// varies slowly and is rare.
+const LEAST: f64 = 0.125;
+const MOST: f64 = 6.0;
+const MOST_BOUNCED: f64 = 8.0;
 
 /// Growth of a path's footprint after a diffuse bounce, in metres per metre:
 /// the bounce averages over a wide cone, so the photons' light seen there may
@@ -46,7 +54,7 @@ pub(super) struct Gather<'a> {
     pub(super) ctx: Context<'a>,
     /// The pass's photons; `None` where no caustics are simulated.
     pub(super) map: Option<&'a PhotonMap>,
-    /// Kernel radius in footprints.
+    /// Kernel scale of the round in footprints.
     pub(super) scale: f64,
     pub(super) footprint: Footprint,
 }
@@ -54,87 +62,132 @@ pub(super) struct Gather<'a> {
 /// What came of a camera sample besides its light.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct CameraTally {
+    /// Rays cast, to surfaces and to lights.
+    pub(super) rays: u64,
     pub(super) truncated: u64,
     pub(super) queries: u64,
     pub(super) visited: u64,
+    pub(super) accepted: u64,
 }
 
 impl Gather<'_> {
     /// Light through a film position, by layer.
-    pub(super) fn sample(
-        &self,
-        ray: Ray,
-        stream: &mut Stream,
-        tally: &mut CameraTally,
-    ) -> PixelSample {
+    pub(super) fn sample(&self, ray: Ray, stream: &Stream, tally: &mut CameraTally) -> PixelSample {
         let mut sample = PixelSample::default();
-        let mut pending = vec![(Walker::new(ray), SPLITS)];
-        let first = stream.dimension();
-        let mut side_paths = 0;
-        while let Some((mut walker, splits)) = pending.pop() {
-            stream.seek(first + side_paths * SIDE_PATH);
-            side_paths += 1;
-            let end = walker.walk(&self.ctx, stream, splits, &mut |other, left| {
-                pending.push((other, left));
-            });
-            self.finish(&walker, end, stream, &mut sample, tally);
-        }
+        let mut ends = 0;
+        let coins = coordinates::coins(stream);
+        view(
+            &self.ctx,
+            ray,
+            SPLIT_ABOVE,
+            coins,
+            tally,
+            |walker, end, tally| match end {
+                End::Truncated => tally.truncated += 1,
+                End::Surface {
+                    point,
+                    material: Material::Diffuse { reflectance },
+                } => {
+                    let at = DiffusePoint::new(*point, walker.ray.dir, *reflectance);
+                    self.shade(walker, &at, stream, ends, &mut sample, tally);
+                    ends += 1;
+                }
+                End::Escaped | End::Surface { .. } => {
+                    sample[Layer::Emission] += self.source(walker, end);
+                }
+            },
+        );
         sample
     }
 
-    /// Adds what a walk from the eye ends at.
-    fn finish(
+    /// Light of the sources that are seen through a film position, directly
+    /// or by way of mirrors and glass: the layer `emission` alone.
+    pub(super) fn sources(&self, ray: Ray, stream: &Stream, tally: &mut CameraTally) -> Rgb {
+        let mut sum = Rgb::BLACK;
+        let coins = coordinates::coins(stream);
+        view(
+            &self.ctx,
+            ray,
+            SPLIT_ABOVE,
+            coins,
+            tally,
+            |walker, end, _| sum += self.source(walker, end),
+        );
+        sum
+    }
+
+    /// Whether some way through a film position passes near a source.
+    pub(super) fn passes_near(&self, glints: &Glints, ray: Ray, stream: &Stream) -> bool {
+        let mut near = false;
+        let coins = coordinates::coins(stream);
+        view(
+            &self.ctx,
+            ray,
+            SPLIT_ABOVE,
+            coins,
+            &mut CameraTally::default(),
+            |walker, end, _| near |= glints.near(walker, end),
+        );
+        near
+    }
+
+    /// What a walk sees of a source at its end.
+    fn source(&self, walker: &Walker, end: &End) -> Rgb {
+        let lights = &self.ctx.scene.lights;
+        let radiance = match end {
+            End::Escaped => {
+                let suns = self.ctx.plan.suns.iter();
+                suns.fold(Rgb::BLACK, |sum, &sun| {
+                    sum + lights[sun as usize].light.sky_radiance(walker.ray.dir)
+                })
+            }
+            End::Surface { point, .. } => match self.ctx.scene.object(point.surface).light {
+                Some(light) => {
+                    let cos = -point.ng.dot(walker.ray.dir);
+                    lights[light as usize].light.surface_radiance(cos)
+                }
+                None => Rgb::BLACK,
+            },
+            End::Truncated => Rgb::BLACK,
+        };
+        walker.throughput * radiance
+    }
+
+    /// Adds what a walk from the eye sees at a diffuse point, end `k` of its
+    /// sample.
+    fn shade(
         &self,
         walker: &Walker,
-        end: End,
-        stream: &mut Stream,
+        at: &DiffusePoint,
+        stream: &Stream,
+        k: u32,
         sample: &mut PixelSample,
         tally: &mut CameraTally,
     ) {
-        match end {
-            End::Escaped => {
-                for &sun in &self.ctx.plan.suns {
-                    let light = &self.ctx.scene.lights[sun as usize].light;
-                    sample[Layer::Emission] +=
-                        walker.throughput * light.sky_radiance(walker.ray.dir);
-                }
-            }
-            End::Truncated => tally.truncated += 1,
-            End::Surface {
-                point,
-                material: Material::Diffuse { reflectance },
-            } => {
-                let at = DiffusePoint::new(point, walker.ray.dir, reflectance);
-                let width = self.footprint.width + self.footprint.spread * walker.length;
-                let strength = walker.throughput.max().min(1.0);
-                let [least, most] = SHADOW_RAYS;
-                let rays = self.ctx.scene.lights.len().clamp(least, most) as f64;
-                let rays = (rays * strength).ceil() as u32;
-                let direct = direct_light(&self.ctx, &at, stream, rays);
-                sample[Layer::Direct] += walker.throughput * direct;
-                let [caustic, bounced] = self.gathered(&at, width, stream, tally);
-                sample[Layer::Caustic] += walker.throughput * caustic;
-                if self.ctx.plan.indirect {
-                    sample[Layer::Indirect] += walker.throughput * bounced;
-                    // A path that carries little goes on as seldom.
-                    if stream.next_1d() < strength {
-                        let path = Walker {
-                            throughput: walker.throughput * reflectance / strength,
-                            ..*walker
-                        };
-                        sample[Layer::Indirect] += self.indirect(path, at, stream, tally);
-                    }
-                }
-            }
-            End::Surface { point, .. } => {
-                if let Some(light) = self.ctx.scene.object(point.surface).light {
-                    let cos = -point.ng.dot(walker.ray.dir);
-                    let radiance = self.ctx.scene.lights[light as usize]
-                        .light
-                        .surface_radiance(cos);
-                    sample[Layer::Emission] += walker.throughput * radiance;
-                }
-            }
+        let mut here = coordinates::shading(stream, k);
+        let (bounce, goes_on) = (here.next_2d(), here.next_1d());
+        let width = self.footprint.width + self.footprint.spread * walker.length;
+        let [caustic, bounced] = self.gathered(at, width, true, &mut here, tally);
+        sample[Layer::Caustic] += walker.throughput * caustic;
+        let [least, most] = SHADOW_RAYS;
+        let rays = self.ctx.scene.lights.len().clamp(least, most) as f64;
+        let rays = (rays * walker.strength).ceil() as u32;
+        tally.rays += u64::from(rays);
+        let direct = direct_light(&self.ctx, at, &mut here, rays);
+        sample[Layer::Direct] += walker.throughput * direct;
+        if !self.ctx.plan.indirect {
+            return;
+        }
+        sample[Layer::Indirect] += walker.throughput * bounced;
+        // A path that carries little goes on as seldom.
+        if goes_on < walker.strength {
+            let path = Walker {
+                throughput: walker.throughput * at.reflectance / walker.strength,
+                strength: at.reflectance.max(),
+                ..*walker
+            };
+            let mut beyond = coordinates::path(stream, k);
+            sample[Layer::Indirect] += self.indirect(path, *at, bounce, &mut beyond, tally);
         }
     }
 
@@ -145,24 +198,36 @@ impl Gather<'_> {
         &self,
         at: &DiffusePoint,
         width: f64,
+        caustics: bool,
         stream: &mut Stream,
         tally: &mut CameraTally,
     ) -> [Rgb; 2] {
         let Some(map) = self.map else {
             return [Rgb::BLACK; 2];
         };
-        let found = gather(&self.ctx, map, at, self.scale * width, stream.next_1d());
+        let unit = self.scale * width;
+        let kernels = Kernels {
+            least: LEAST * unit,
+            most: MOST * unit,
+            most_bounced: MOST_BOUNCED * unit,
+            blind: unit,
+            caustics,
+        };
+        let found = gather(&self.ctx, map, at, &kernels, stream.next_1d());
         tally.queries += 1;
         tally.visited += u64::from(found.visited);
+        tally.accepted += u64::from(found.accepted);
         [found.irradiance, found.bounced].map(|e| at.reflectance * e * FRAC_1_PI)
     }
 
     /// Light from further diffuse surfaces, by path tracing; `path` has just
-    /// been reflected at `at`, its reflectance already in the throughput.
+    /// been reflected at `at`, its reflectance already in the throughput, into
+    /// the direction that `bounce` stands for.
     fn indirect(
         &self,
         mut path: Walker,
         mut at: DiffusePoint,
+        mut bounce: [f64; 2],
         stream: &mut Stream,
         tally: &mut CameraTally,
     ) -> Rgb {
@@ -171,12 +236,13 @@ impl Gather<'_> {
         // Footprints are wide after a diffuse bounce, whatever they were.
         let mut width = self.footprint.width + self.footprint.spread * path.length;
         loop {
-            let Some(dir) = bounce_direction(&at, stream) else {
+            let Some(dir) = bounce_direction(&at, bounce) else {
                 return sum;
             };
-            let before = path.length;
+            let before = path;
             path.ray = at.point.spawn(dir);
-            let end = path.walk(&self.ctx, stream, 0, &mut |_, _| {});
+            let end = path.walk(&self.ctx, stream, &mut |_| false);
+            tally.rays += u64::from(path.depth - before.depth) + 1;
             let (point, reflectance) = match end {
                 End::Surface {
                     point,
@@ -189,34 +255,38 @@ impl Gather<'_> {
                 // Lights are sampled directly: meeting one adds nothing.
                 End::Surface { .. } | End::Escaped => return sum,
             };
-            width += DIFFUSE_SPREAD * (path.length - before);
+            width += DIFFUSE_SPREAD * (path.length - before.length);
             at = DiffusePoint::new(point, path.ray.dir, reflectance);
             // The caustic itself, as light for the surface before, has come
             // there as photons that bounced here.
-            let [_, bounced] = self.gathered(&at, width, stream, tally);
+            let [_, bounced] = self.gathered(&at, width, false, stream, tally);
+            tally.rays += u64::from(LATER_SHADOW_RAYS);
             let found = direct_light(&self.ctx, &at, stream, LATER_SHADOW_RAYS) + bounced;
             sum += path.throughput * found;
             path.throughput *= reflectance;
+            path.strength *= reflectance.max();
             bounces += 1;
             if path.depth >= self.ctx.max_depth {
                 tally.truncated += 1;
                 return sum;
             }
             if bounces >= SURE_BOUNCES {
-                let q = path.throughput.max().min(0.95);
+                let q = path.strength.min(0.95);
                 if stream.next_1d() >= q {
                     return sum;
                 }
                 path.throughput = path.throughput / q;
+                path.strength /= q;
             }
+            bounce = stream.next_2d();
         }
     }
 }
 
 /// A cosine-weighted direction on the viewer's side; `None` where the shading
 /// normal would send it into the surface.
-fn bounce_direction(at: &DiffusePoint, stream: &mut Stream) -> Option<DVec3> {
-    let local = warp::cosine_hemisphere(stream.next_2d());
+fn bounce_direction(at: &DiffusePoint, u: [f64; 2]) -> Option<DVec3> {
+    let local = warp::cosine_hemisphere(u);
     let dir = Frame::around(at.ns).to_world(local).normalize();
     (dir.dot(at.ng) > 0.0).then_some(dir)
 }

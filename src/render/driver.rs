@@ -98,6 +98,7 @@ struct Totals {
     truncated: u64,
     queries: u64,
     visited: u64,
+    accepted: u64,
     tally: Tally,
 }
 
@@ -127,6 +128,7 @@ pub fn run(
         totals.truncated += pass.truncated;
         totals.queries += pass.queries;
         totals.visited += pass.visited;
+        totals.accepted += pass.accepted;
         totals.tally.merge(&pass.tally);
         done += 1;
         let elapsed = start.elapsed();
@@ -227,6 +229,7 @@ fn report(
         photons_refused: totals.photons_refused,
         queries: totals.queries,
         visited: totals.visited,
+        accepted: totals.accepted,
         photons_per_pass: renderer.photons(),
         radius: [renderer.scale(0), renderer.scale(last_round)],
         indirect: renderer.plan().indirect,

@@ -6,13 +6,16 @@
 //! decides only how many passes run.
 
 mod camera_walk;
+mod coordinates;
 mod driver;
+mod glints;
 mod importance;
 mod memory;
 mod pass;
 mod pilot;
 mod report;
 mod schedule;
+mod view;
 
 pub use driver::{Job, Outcome, Progress, run};
 pub use memory::TooLarge;

@@ -5,16 +5,20 @@ use glam::DVec2;
 use rayon::prelude::*;
 
 use crate::{
-    film::PixelSample,
+    film::{Layer, PixelSample},
+    geometry::Ray,
     photon::{Emitter, PhotonMap, Shot, Tally, shoot},
     plan::Plan,
-    sampling::{Purpose, Sequence},
+    sampling::{Purpose, Sequence, Stream},
     scene::{Scene, Settings},
+    spectrum::Rgb,
     transport::{Context, LightPicker},
 };
 
 use super::{
     camera_walk::{CameraTally, Gather},
+    coordinates,
+    glints::{self, Glints},
     memory::{FEWEST_PHOTONS, photon_budget},
     pilot::{Epochs, Pilot, epoch},
     schedule::{REPLICATES, Schedule},
@@ -28,6 +32,10 @@ const PIXELS_PER_PHOTON: u64 = 2;
 /// looking then costs a part of what the rest of the sample does. Where light is
 /// concentrated, fewer photons a pass do, and more passes follow.
 const VISITS_PER_SAMPLE: f64 = 32.0;
+
+/// Kernel scale of the first round, in pixel footprints, at which photons have
+/// kernels of their own footprint's size.
+const NATURAL_SCALE: f64 = 2.0;
 
 /// Photon paths and camera samples of the pilot that counts those visits.
 const PILOT_PHOTONS: u64 = 1 << 14;
@@ -45,6 +53,8 @@ pub struct Renderer<'a> {
     camera: crate::camera::Camera,
     crop: [u32; 4],
     photons: u64,
+    /// Per pixel of the window: whether sources may glint there.
+    glinting: Vec<bool>,
 }
 
 /// What a pass delivers.
@@ -64,8 +74,10 @@ pub struct PassOutput {
     pub truncated: u64,
     /// Questions asked of the photon map.
     pub queries: u64,
-    /// Photons looked at to answer them.
+    /// Candidates looked at to answer them.
     pub visited: u64,
+    /// Photons whose kernels reached the point asked for.
+    pub accepted: u64,
 }
 
 impl<'a> Renderer<'a> {
@@ -96,8 +108,10 @@ impl<'a> Renderer<'a> {
             camera: scene.camera.with_resolution(resolution),
             crop,
             photons: 0,
+            glinting: Vec::new(),
             plan,
         };
+        renderer.glinting = renderer.find_glints();
         if renderer.emitters.is_some() {
             renderer.photons = renderer.photon_paths();
         }
@@ -127,9 +141,6 @@ impl<'a> Renderer<'a> {
             photons: self.photons,
         };
         let emitters = self.emitters.as_ref()?;
-        if std::env::var("NOGUIDE").is_ok() {
-            return Some(emitters.first());
-        }
         Some(emitters.at(epoch(round), &|e, before| pilot.teach(e, before)))
     }
 
@@ -157,7 +168,7 @@ impl<'a> Renderer<'a> {
     pub fn pass(&self, index: u32) -> PassOutput {
         let (round, replicate) = (index / REPLICATES, index % REPLICATES);
         let shot = self.shoot(round, replicate);
-        let map = (shot.emitted > 0).then(|| PhotonMap::new(&shot.photons, shot.emitted));
+        let map = (shot.emitted > 0).then(|| self.map(&shot, round));
         let stored = shot.photons.len() as u64;
         drop(shot.photons);
         let gather = self.gatherer(map.as_ref(), round);
@@ -171,7 +182,17 @@ impl<'a> Renderer<'a> {
             truncated: camera.truncated,
             queries: camera.queries,
             visited: camera.visited,
+            accepted: camera.accepted,
         }
+    }
+
+    /// The map of a round's photons.
+    pub fn map(&self, shot: &Shot, round: u32) -> PhotonMap {
+        PhotonMap::new(
+            &shot.photons,
+            shot.emitted,
+            self.schedule.scale(round) / NATURAL_SCALE,
+        )
     }
 
     /// The photon half of a pass.
@@ -221,16 +242,16 @@ impl<'a> Renderer<'a> {
         };
         let photons = Sequence::new(self.settings.seed, Purpose::Pilot, 2, 0);
         let shot = shoot(&self.context(), emitter, photons, 0, PILOT_PHOTONS);
-        let map = PhotonMap::new(&shot.photons, shot.emitted);
+        let map = self.map(&shot, 0);
         let gather = self.gatherer(Some(&map), 0);
         let camera = Sequence::new(self.settings.seed, Purpose::Pilot, 3, 0);
         let [width, height] = self.resolution.map(f64::from);
         let mut tally = CameraTally::default();
         for i in 0..PILOT_SAMPLES {
-            let mut stream = camera.at(u64::from(i));
-            let [u, v] = stream.next_2d();
+            let stream = camera.at(u64::from(i));
+            let [u, v] = coordinates::film(&stream);
             let film = DVec2::new(u * width, v * height);
-            gather.sample(self.camera.ray(film), &mut stream, &mut tally);
+            gather.sample(self.camera.ray(film), &stream, &mut tally);
         }
         tally.visited as f64 / f64::from(PILOT_SAMPLES)
     }
@@ -243,6 +264,36 @@ impl<'a> Renderer<'a> {
             scale: self.schedule.scale(round),
             footprint: self.camera.pixel_footprint(),
         }
+    }
+
+    /// The number of a pixel in the whole picture, so that a crop shows the
+    /// same samples.
+    fn item(&self, px: u32, py: u32) -> u64 {
+        u64::from(py) * u64::from(self.resolution[0]) + u64::from(px)
+    }
+
+    /// The ray of a stream through a pixel.
+    fn ray(&self, px: u32, py: u32, stream: &Stream) -> Ray {
+        let [x, y] = self.scene.filter.place(coordinates::film(stream));
+        self.camera
+            .ray(DVec2::new(f64::from(px) + x, f64::from(py) + y))
+    }
+
+    /// Pixels of the window in which sources may glint.
+    fn find_glints(&self) -> Vec<bool> {
+        let [x0, y0, width, height] = self.crop;
+        let Some(glints) = Glints::new(self.scene) else {
+            return vec![false; width as usize * height as usize];
+        };
+        let gather = self.gatherer(None, 0);
+        let pixel = |i: u32| {
+            let (px, py) = (x0 + i % width, y0 + i / width);
+            (0..glints::PILOT_RAYS).any(|j| {
+                let stream = glints::pilot_stream(self.settings.seed, self.item(px, py), j);
+                gather.passes_near(&glints, self.ray(px, py, &stream), &stream)
+            })
+        };
+        (0..width * height).into_par_iter().map(pixel).collect()
     }
 
     /// The camera half of a pass: one sample a pixel, rows in parallel.
@@ -260,15 +311,23 @@ impl<'a> Renderer<'a> {
                 let row = (0..width)
                     .map(|x| {
                         let (px, py) = (x0 + x, y0 + y);
-                        // The pixel's number in the whole picture, so that a
-                        // crop shows the same samples.
-                        let item = u64::from(py) * u64::from(self.resolution[0]) + u64::from(px);
-                        let mut stream =
+                        let item = self.item(px, py);
+                        let stream =
                             Sequence::new(self.settings.seed, Purpose::Camera, replicate, item)
                                 .at_own_order(u64::from(round));
-                        let [u, v] = stream.next_2d();
-                        let film = DVec2::new(f64::from(px) + u, f64::from(py) + v);
-                        gather.sample(self.camera.ray(film), &mut stream, &mut tally)
+                        let ray = self.ray(px, py, &stream);
+                        let mut sample = gather.sample(ray, &stream, &mut tally);
+                        if self.glinting[(y * width + x) as usize] {
+                            let seen = (0..glints::RAYS).map(|j| {
+                                let seed = self.settings.seed;
+                                let stream = glints::stream(seed, replicate, item, round, j);
+                                let ray = self.ray(px, py, &stream);
+                                gather.sources(ray, &stream, &mut tally)
+                            });
+                            let sum = seen.fold(Rgb::BLACK, |a, b| a + b);
+                            sample[Layer::Emission] = sum / glints::RAYS as f64;
+                        }
+                        sample
                     })
                     .collect();
                 (row, tally)
@@ -281,6 +340,7 @@ impl<'a> Renderer<'a> {
             tally.truncated += t.truncated;
             tally.queries += t.queries;
             tally.visited += t.visited;
+            tally.accepted += t.accepted;
         }
         (samples, tally)
     }

@@ -18,7 +18,8 @@ use crate::{
 
 use super::{
     camera_walk::{CameraTally, Gather},
-    importance::{Blocks, Importance, Reached, reach},
+    coordinates,
+    importance::{Blocks, Importance, Reached, beam, reach},
     schedule::REPLICATES,
 };
 
@@ -31,9 +32,10 @@ const EPOCHS: usize = 6;
 /// own: building maps, asking for importance.
 const SHARE: f64 = 0.04;
 
-/// With fewer photon paths there is nothing to learn. A pilot has no more than
-/// a pass, for which there is memory.
-const FEWEST_PATHS: u64 = 1 << 10;
+/// Photon paths of a pilot: with fewer than the first number chance would
+/// teach. It has no more than a pass, for which there is memory, or than the
+/// second number, which needs little.
+const PATHS: [u64; 2] = [1 << 12, 1 << 16];
 
 /// Camera samples of a pilot: with fewer than the first number nothing is seen
 /// well, with more than the second nothing better.
@@ -123,10 +125,10 @@ impl Pilot<'_> {
         let sequence = |k: u32| Sequence::new(self.seed, Purpose::Pilot, number + k, 0);
         let ctx = &self.gather.ctx;
         let rehearsal = Rehearsal::new(ctx, before, sequence(0), paths);
-        let map = PhotonMap::new(&rehearsal.photons, rehearsal.paths());
+        let map = PhotonMap::new(&rehearsal.photons, rehearsal.paths(), 1.0);
         let points = self.look(&map, sequence(1), sequence(2), samples);
         drop(map);
-        let importance = Importance::new(&points, samples, self.camera, self.resolution);
+        let importance = Importance::new(&points, samples);
         let lessons = rehearsal.lessons(|photon| {
             // All kernels count as equally large: with a camera that sees them
             // equally well, photons then spread evenly over what is seen.
@@ -142,10 +144,12 @@ impl Pilot<'_> {
             let n = (passes(epoch) * n as f64) as u64;
             (n >= least).then_some(n.min(most))
         };
-        // Where photons are the work, a few more looks do not count.
+        // Where photons are the work, a few more looks do not count, and where
+        // looks are the work, more photons do not.
         let looks = pixels.max(self.photons / PATHS_PER_SAMPLE);
+        let paths = pixels.max(self.photons);
         Some([
-            part(self.photons, FEWEST_PATHS, self.photons)?,
+            part(paths, PATHS[0], self.photons.max(PATHS[1]))?,
             part(looks, SAMPLES[0], SAMPLES[1])?,
         ])
     }
@@ -158,15 +162,16 @@ impl Pilot<'_> {
             map: Some(map),
             ..self.gather
         };
+        let beam = beam(self.camera, self.resolution, samples);
         let looks: Vec<(DVec2, f64, Reached)> = (0..samples)
             .into_par_iter()
             .map(|i| {
-                let mut stream = light.at(i);
-                let [u, v] = stream.next_2d();
+                let stream = light.at(i);
+                let [u, v] = coordinates::film(&stream);
                 let film = DVec2::new(u * width, v * height);
                 let ray = self.camera.ray(film);
-                let found = gather.sample(ray, &mut stream, &mut CameraTally::default());
-                let reached = reach(&gather.ctx, ray, &mut ways.at(i));
+                let found = gather.sample(ray, &stream, &mut CameraTally::default());
+                let reached = reach(&gather.ctx, ray, beam, &mut ways.at(i));
                 (film, found.total().mean(), reached)
             })
             .collect();

@@ -41,8 +41,10 @@ pub struct Report {
     pub photons_refused: u64,
     /// Questions asked of the photon map.
     pub queries: u64,
-    /// Photons looked at to answer them.
+    /// Candidates looked at to answer them.
     pub visited: u64,
+    /// Photons whose kernels reached the point asked for.
+    pub accepted: u64,
     /// Photon paths of a pass.
     pub photons_per_pass: u64,
     /// Kernel radius of the first and the last round, in pixel footprints.

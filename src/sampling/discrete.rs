@@ -52,6 +52,9 @@ impl Discrete {
     /// item's own interval for further use.
     #[inline]
     pub fn sample(&self, u: f64) -> (usize, f64) {
+        if self.cdf.len() == 1 {
+            return (0, u);
+        }
         let i = self
             .cdf
             .partition_point(|c| *c <= u)

@@ -94,6 +94,14 @@ impl Guided {
     }
 }
 
+impl Guided {
+    /// How far each coordinate is from the end of its range, in units of the
+    /// even point's if the stretch went on unchanged.
+    pub fn room(&self) -> [f64; GUIDE_DIMENSIONS] {
+        std::array::from_fn(|d| self.at[d].min(1.0 - self.at[d]) / self.stretch[d])
+    }
+}
+
 /// A place in the cube and how much comes from there.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Weighed {

@@ -18,4 +18,4 @@ pub use discrete::Discrete;
 pub use guide::{GUIDE_DIMENSIONS, Guide, Guided, Weighed};
 pub use hash::{mix, mix2};
 pub use sobol::{DIMENSIONS, sobol, sobol_owen};
-pub use stream::{Purpose, Sequence, Stream};
+pub use stream::{LOW_DISCREPANCY, Purpose, Sequence, Stream};

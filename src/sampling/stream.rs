@@ -1,9 +1,14 @@
 //! Streams: the address of a path's random numbers.
 
+use std::ops::Range;
+
 use super::{
     DIMENSIONS, mix, mix2,
     sobol::{shuffled, sobol_owen},
 };
+
+/// Coordinates of a stream with low discrepancy; later ones are hashed.
+pub const LOW_DISCREPANCY: u32 = 4 * DIMENSIONS as u32;
 
 /// What a sequence of samples is used for; part of the address, so that no
 /// two uses share numbers.
@@ -16,6 +21,8 @@ pub enum Purpose {
     Camera = 2,
     /// Pilot runs that learn about the scene.
     Pilot = 3,
+    /// Looking for light sources in mirrors and glass.
+    Glint = 4,
 }
 
 /// A scrambled sequence; [`Sequence::at`] picks one of its points.
@@ -42,6 +49,7 @@ impl Sequence {
             key: self.key ^ mix(index >> 32),
             index: index as u32,
             dimension: 0,
+            window: [u32::MAX; 2],
             path: index,
         }
     }
@@ -62,27 +70,44 @@ impl Sequence {
 
 /// One point of a sequence, read coordinate by coordinate.
 ///
-/// The first 64 dimensions are those of one Owen-scrambled Sobol point; later
-/// ones are plain hashed numbers, since low-discrepancy gains nothing there.
+/// The first 64 dimensions are four Owen-scrambled Sobol points of 16
+/// dimensions, each point of the sequence in an order of its own but for the
+/// first ("padding": Burley 2020, section 5). Later ones are plain hashed
+/// numbers, since low-discrepancy gains nothing there.
 #[derive(Clone, Copy, Debug)]
 pub struct Stream {
     key: u64,
     index: u32,
     dimension: u32,
+    /// Where the window ends, and where reading goes on then.
+    window: [u32; 2],
     path: u64,
 }
 
 impl Stream {
     /// The next coordinate, in `[0, 1)`.
-    #[inline]
+    #[allow(
+        clippy::inline_always,
+        reason = "where the dimension is known, a part of the work is done when compiling"
+    )]
+    #[inline(always)]
     pub fn next_1d(&mut self) -> f64 {
+        if self.dimension == self.window[0] {
+            *self = self.window(self.window[1]..u32::MAX, u32::MAX);
+        }
         let d = self.dimension;
         self.dimension += 1;
         let seed = mix(self
             .key
             .wrapping_add(u64::from(d).wrapping_mul(0x9e37_79b9_7f4a_7c15)));
-        if (d as usize) < DIMENSIONS {
-            sobol_owen(self.index, d as usize, (seed >> 32) as u32)
+        if d < LOW_DISCREPANCY {
+            let (block, d) = (d as usize / DIMENSIONS, d as usize % DIMENSIONS);
+            let index = if block == 0 {
+                self.index
+            } else {
+                shuffled(self.index, mix(self.key ^ block as u64) as u32)
+            };
+            sobol_owen(index, d, (seed >> 32) as u32)
         } else {
             // The top 53 bits, so that the number stays below 1.
             (mix2(seed, self.path) >> 11) as f64 * (1.0 / 9_007_199_254_740_992.0)
@@ -102,7 +127,19 @@ impl Stream {
         self.dimension = dimension;
     }
 
-    /// The coordinate that comes next.
+    /// The same point, read through a window: first the coordinates `range`,
+    /// then those from `beyond` on.
+    #[inline]
+    #[must_use]
+    pub fn window(&self, range: Range<u32>, beyond: u32) -> Self {
+        Self {
+            dimension: range.start,
+            window: [range.end, beyond],
+            ..*self
+        }
+    }
+
+    /// The coordinate that comes next, unless a window ends here.
     #[inline]
     pub fn dimension(&self) -> u32 {
         self.dimension
@@ -126,6 +163,10 @@ mod tests {
             first[99],
             "hashed coordinates are addressed too"
         );
+        let mut window = a.window(3..5, 70);
+        for d in [3, 4, 70, 71] {
+            assert_eq!(window.next_1d(), first[d], "through a window");
+        }
         let mut c = Sequence::new(7, Purpose::Photon, 4, 0).at(12345);
         assert_ne!(c.next_1d(), first[0], "replicates differ");
         assert!(first.iter().all(|x| (0.0..1.0).contains(x)));

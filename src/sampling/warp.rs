@@ -43,8 +43,10 @@ pub fn disc_mapped(u: [f64; 2]) -> Mapped<DVec2> {
         (b, a / b)
     };
     let turn = FRAC_PI_4 * ratio;
-    let phi = if wide { turn } else { 2.0 * FRAC_PI_4 - turn };
-    let (sin, cos) = trig::sin_cos(phi);
+    // The angle from the nearer axis, at most an eighth of a turn: sine and
+    // cosine need no reduction there.
+    let (sin, cos) = trig::sin_cos_octant(turn);
+    let (sin, cos) = if wide { (sin, cos) } else { (cos, sin) };
     let (out, round) = (DVec2::new(cos, sin), DVec2::new(-sin, cos));
     // r d(phi): pi/4 (db - ratio da), and with the roles changed its negative.
     // The factor 2 is that of a and b.

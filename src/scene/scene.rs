@@ -1,7 +1,7 @@
 //! The scene as the renderer sees it: immutable, validated, indexed.
 
 use crate::{
-    camera::Camera,
+    camera::{Camera, Filter},
     geometry::{SurfaceId, World},
     light::Light,
     material::Material,
@@ -45,6 +45,8 @@ pub struct Scene {
     pub camera: Camera,
     /// Image width and height in pixels.
     pub resolution: [u32; 2],
+    /// How a pixel averages the picture.
+    pub filter: Filter,
     /// What the file's `render` block says, defaults filled in.
     pub settings: Settings,
 }

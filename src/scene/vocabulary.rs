@@ -42,7 +42,7 @@ pub(super) fn expectation(field: &str) -> Option<&'static str> {
         "x" | "y" => "a range `(from, to)` in metres",
         "k" => "a wave vector `(kx, ky)` in radians per metre",
         "exposure" => "a number of stops",
-        "filter" => "`Box`",
+        "filter" => "`Box`, `Gaussian` or `BlackmanHarris`",
         "beam" => "a cross-section `(center: .., radius: ..)`",
         "passes" | "max_depth" | "photons" | "segments" | "sides" | "p" | "q" => {
             "a whole number, at least 1"

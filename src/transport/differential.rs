@@ -7,6 +7,8 @@
 
 use glam::DVec3;
 
+use crate::geometry::Turning;
+
 /// Pairs of coordinates that a path can depend on: a direction, a point on the
 /// light, the direction of a diffuse bounce.
 pub const MAX_PAIRS: usize = 3;
@@ -21,11 +23,40 @@ pub struct Pair {
     pub dd: [DVec3; 2],
 }
 
+/// How a ray changed its direction at a surface; what the derivatives of the
+/// step need to know.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Bend {
+    /// Not at all.
+    Straight,
+    /// Mirrored.
+    Mirror {
+        /// Unit normal on the side from which the ray came.
+        n: DVec3,
+        /// How `n` follows the surface's shading normal: 1 or -1, 0 where it
+        /// does not.
+        turn: f64,
+    },
+    /// Refracted.
+    Refract {
+        /// As for a mirror.
+        n: DVec3,
+        /// As for a mirror.
+        turn: f64,
+        /// Index ahead over index behind.
+        eta: f64,
+        /// Cosine of the refracted ray to `n`, above 0.
+        cos_t: f64,
+    },
+}
+
 /// Derivatives of a ray by all coordinates of its sample, in pairs.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Differential {
     pairs: [Pair; MAX_PAIRS],
     count: usize,
+    strain: [f64; MAX_PAIRS],
+    room: [[f64; 2]; MAX_PAIRS],
     /// Probability of the discrete choices on the path so far: light, target,
     /// lobe, roulette. Neighbours of this path are rarer by this factor.
     pub chance: f64,
@@ -37,6 +68,8 @@ impl Differential {
         Self {
             pairs: [Pair::default(); MAX_PAIRS],
             count: 0,
+            strain: [0.0; MAX_PAIRS],
+            room: [[f64::INFINITY; 2]; MAX_PAIRS],
             chance: 1.0,
         }
     }
@@ -56,10 +89,116 @@ impl Differential {
         &self.pairs[..self.count]
     }
 
+    /// Tells how far a pair's coordinates are from the end of their range:
+    /// neighbours end there.
+    #[inline]
+    pub fn bound(&mut self, pair: usize, room: [f64; 2]) {
+        if let Some(slot) = self.room.get_mut(pair) {
+            *slot = room;
+        }
+    }
+
+    /// How far each pair's coordinates are from the end of their range.
+    #[inline]
+    pub fn room(&self) -> &[[f64; 2]] {
+        &self.room[..self.count]
+    }
+
+    /// Largest squared strain of each pair so far, for the whole range of its
+    /// coordinates: the angle by which a normal turned, or the way over the
+    /// size of a facet. Derivatives mean little over a cell that is strained by
+    /// about one.
+    #[inline]
+    pub fn strains(&self) -> &[f64] {
+        &self.strain[..self.count]
+    }
+
     /// The pairs, to change them.
     #[inline]
     pub fn pairs_mut(&mut self) -> &mut [Pair] {
         &mut self.pairs[..self.count]
+    }
+
+    /// Follows the ray of unit direction `d` over `t` metres to a surface of
+    /// geometric normal `ng`: origins move along the surface.
+    #[inline]
+    pub fn transfer(&mut self, d: DVec3, t: f64, ng: DVec3) {
+        let along = d / d.dot(ng);
+        for pair in self.pairs_mut() {
+            for (dp, dd) in pair.dp.iter_mut().zip(&pair.dd) {
+                let v = *dp + *dd * t;
+                *dp = v - along * v.dot(ng);
+            }
+        }
+    }
+
+    /// Turns with the ray of direction `d` as it is reflected or refracted at
+    /// a surface whose normal turns by `turning`. The ray must have been
+    /// transferred to the surface.
+    #[inline]
+    pub fn bend(&mut self, d: DVec3, bend: &Bend, turning: &Turning) {
+        if *bend == Bend::Straight {
+            return;
+        }
+        self.strain(turning);
+        match *bend {
+            Bend::Straight => {}
+            Bend::Mirror { n, turn } => {
+                let c = d.dot(n);
+                for pair in self.pairs_mut() {
+                    for (dp, dd) in pair.dp.iter().zip(&mut pair.dd) {
+                        let dn = turning.of(*dp) * turn;
+                        let dc = dd.dot(n) + d.dot(dn);
+                        *dd -= (n * dc + dn * c) * 2.0;
+                    }
+                }
+            }
+            Bend::Refract {
+                n,
+                turn,
+                eta,
+                cos_t,
+            } => {
+                let r = 1.0 / eta;
+                let ci = -d.dot(n);
+                // eta^2 cos_t^2 = cos_i^2 - (1 - eta)(1 + eta).
+                let slope = ci * r * r / cos_t;
+                let k = r * ci - cos_t;
+                for pair in self.pairs_mut() {
+                    for (dp, dd) in pair.dp.iter().zip(&mut pair.dd) {
+                        let dn = turning.of(*dp) * turn;
+                        let dci = -(dd.dot(n) + d.dot(dn));
+                        *dd = *dd * r + n * ((r - slope) * dci) + dn * k;
+                    }
+                }
+            }
+        }
+    }
+
+    /// Books how much of the surface a cell covers.
+    #[inline]
+    fn strain(&mut self, turning: &Turning) {
+        let squared = |dp: DVec3| match turning {
+            Turning::Flat => 0.0,
+            Turning::Facet { size } => dp.length_squared() / (size * size),
+            turning => turning.of(dp).length_squared(),
+        };
+        for (pair, strain) in self.pairs[..self.count].iter().zip(&mut self.strain) {
+            let [a, b] = pair.dp.map(squared);
+            *strain = strain.max(a).max(b);
+        }
+    }
+
+    /// Goes on from a diffuse surface in a direction drawn anew: what was a
+    /// change of direction ends here, and `dd` begins a pair of its own.
+    pub fn restart(&mut self, dd: [DVec3; 2]) {
+        for pair in self.pairs_mut() {
+            pair.dd = [DVec3::ZERO; 2];
+        }
+        self.push(Pair {
+            dp: [DVec3::ZERO; 2],
+            dd,
+        });
     }
 }
 

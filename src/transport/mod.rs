@@ -14,7 +14,7 @@ pub mod shadow;
 pub mod specular;
 pub mod walk;
 
-pub use differential::{Differential, Pair};
+pub use differential::{Bend, Differential, Pair};
 pub use direct::{DiffusePoint, LightPicker, direct_light};
 pub use shadow::transmittance;
 pub use specular::{Carried, Lobe, Lobes, lobes};

@@ -9,6 +9,8 @@ use crate::{
     spectrum::Rgb,
 };
 
+use super::Bend;
+
 /// What a path carries; it decides two factors.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Carried {
@@ -32,8 +34,19 @@ pub struct Lobe {
     pub weight: Rgb,
     /// The part of `weight` that is due to shading normals (1 without).
     pub shading: f64,
+    /// The part of `weight` that is due to the change of index (1 for flux):
+    /// radiance scales by it, and no light is lost.
+    pub index: f64,
+    /// How the direction came about.
+    pub bend: Bend,
+}
+
+impl Lobe {
     /// Whether the light was reflected or refracted, not passed straight on.
-    pub bent: bool,
+    #[inline]
+    pub fn is_bent(&self) -> bool {
+        self.bend != Bend::Straight
+    }
 }
 
 /// The one or two lobes of a specular step, reflection first.
@@ -66,6 +79,7 @@ impl Lobes {
 
 /// The lobes of a specular material at `point` for light or sight travelling
 /// in unit direction `d`. `None` if the material is not specular.
+#[inline]
 pub fn lobes(
     material: &Material,
     point: &SurfacePoint,
@@ -88,6 +102,7 @@ pub fn lobes(
 
 /// The geometric and the shading normal on the side from which `d` comes. A
 /// shading normal that faces away from `d` is replaced by the geometric one.
+#[inline]
 fn facing(point: &SurfacePoint, d: DVec3) -> (DVec3, DVec3) {
     let (ng, ns) = if point.ng.dot(d) > 0.0 {
         (-point.ng, -point.ns)
@@ -97,8 +112,20 @@ fn facing(point: &SurfacePoint, d: DVec3) -> (DVec3, DVec3) {
     if ns.dot(d) < 0.0 { (ng, ns) } else { (ng, ng) }
 }
 
+/// How a normal that a step used follows the shading normal.
+fn turn(point: &SurfacePoint, n: DVec3) -> f64 {
+    if n == point.ns {
+        1.0
+    } else if n == -point.ns {
+        -1.0
+    } else {
+        0.0
+    }
+}
+
 /// Veach's factor for a light path that arrives along `d` and leaves along
 /// `w`: `|cos(in, ns) cos(out, ng)| / |cos(in, ng) cos(out, ns)|`.
+#[inline]
 fn shading_factor(ng: DVec3, ns: DVec3, d: DVec3, w: DVec3, carried: Carried) -> f64 {
     if carried == Carried::Radiance || ng == ns {
         return 1.0;
@@ -108,37 +135,45 @@ fn shading_factor(ng: DVec3, ns: DVec3, d: DVec3, w: DVec3, carried: Carried) ->
     if factor.is_finite() { factor } else { 0.0 }
 }
 
+#[inline]
 fn straight(d: DVec3, share: f64) -> Lobe {
     Lobe {
         dir: d,
         share,
         weight: Rgb::WHITE,
         shading: 1.0,
-        bent: false,
+        bend: Bend::Straight,
+        index: 1.0,
     }
 }
 
 /// A reflected lobe; where the shading normal would send it into the surface,
 /// the geometric normal decides, so that no light is lost at silhouettes.
-fn reflected(ng: DVec3, ns: DVec3, d: DVec3, carried: Carried) -> Lobe {
+#[inline]
+fn reflected(point: &SurfacePoint, ng: DVec3, ns: DVec3, d: DVec3, carried: Carried) -> Lobe {
     let w = optics::reflect(d, ns);
-    let (w, shading) = if w.dot(ng) > 0.0 {
-        (w, shading_factor(ng, ns, d, w, carried))
+    let (w, n, shading) = if w.dot(ng) > 0.0 {
+        (w, ns, shading_factor(ng, ns, d, w, carried))
     } else {
-        (optics::reflect(d, ng), 1.0)
+        (optics::reflect(d, ng), ng, 1.0)
     };
     Lobe {
         dir: w,
         share: 1.0,
         weight: Rgb::grey(shading),
         shading,
-        bent: true,
+        bend: Bend::Mirror {
+            n,
+            turn: turn(point, n),
+        },
+        index: 1.0,
     }
 }
 
+#[inline]
 fn mirror(point: &SurfacePoint, d: DVec3, reflectance: Rgb, carried: Carried) -> Lobe {
     let (ng, ns) = facing(point, d);
-    let lobe = reflected(ng, ns, d, carried);
+    let lobe = reflected(point, ng, ns, d, carried);
     Lobe {
         weight: lobe.weight * reflectance,
         ..lobe
@@ -153,7 +188,7 @@ fn pane(point: &SurfacePoint, d: DVec3, ior: f64) -> Lobes {
     }
     // Radiance and flux agree: a pane has the same medium on both sides, and
     // the straight part has no shading normal.
-    let mirror = reflected(ng, ns, d, Carried::Radiance);
+    let mirror = reflected(point, ng, ns, d, Carried::Radiance);
     if t <= 0.0 {
         return Lobes::One(mirror);
     }
@@ -166,6 +201,7 @@ fn pane(point: &SurfacePoint, d: DVec3, ior: f64) -> Lobes {
     )
 }
 
+#[inline]
 fn interface(point: &SurfacePoint, d: DVec3, ior: f64, carried: Carried) -> Lobes {
     let (ng, mut ns) = facing(point, d);
     let eta = if point.ng.dot(d) < 0.0 {
@@ -182,7 +218,7 @@ fn interface(point: &SurfacePoint, d: DVec3, ior: f64, carried: Carried) -> Lobe
             transmittance,
         } = optics::fresnel(-d.dot(ns), eta)
         else {
-            return Lobes::One(reflected(ng, ns, d, carried));
+            return Lobes::One(reflected(point, ng, ns, d, carried));
         };
         let w = optics::refract(d, ns, eta, cos_t);
         if w.dot(ng) >= 0.0 && ns != ng {
@@ -190,19 +226,25 @@ fn interface(point: &SurfacePoint, d: DVec3, ior: f64, carried: Carried) -> Lobe
             continue;
         }
         let shading = shading_factor(ng, ns, d, w, carried);
-        let scale = if carried == Carried::Radiance {
-            1.0 / (eta * eta)
-        } else {
-            shading
+        let index = match carried {
+            Carried::Radiance => 1.0 / (eta * eta),
+            Carried::Flux => 1.0,
         };
         let refracted = Lobe {
             dir: w,
             share: transmittance,
-            weight: Rgb::grey(scale),
+            // A radiance has no shading factor, a flux no index factor.
+            weight: Rgb::grey(index * shading),
             shading,
-            bent: true,
+            bend: Bend::Refract {
+                n: ns,
+                turn: turn(point, ns),
+                eta,
+                cos_t,
+            },
+            index,
         };
-        let mirror = reflected(ng, ns, d, carried);
+        let mirror = reflected(point, ng, ns, d, carried);
         return Lobes::Two(
             Lobe {
                 share: reflectance,

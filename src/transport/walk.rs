@@ -8,7 +8,7 @@ use crate::{
     spectrum::Rgb,
 };
 
-use super::{Carried, Context, Lobes, lobes};
+use super::{Carried, Context, Lobe, Lobes, lobes};
 
 /// Where a walk ends.
 #[derive(Clone, Copy, Debug)]
@@ -33,6 +33,11 @@ pub struct Walker {
     pub ray: Ray,
     /// Factor on what will be found.
     pub throughput: Rgb,
+    /// How much the path matters, from 0 to 1: the largest channel of the
+    /// throughput without the index factors, which radiance gains again on
+    /// leaving the medium or, seen from within, was brighter by from the
+    /// start.
+    pub strength: f64,
     /// Length of the path so far, in metres.
     pub length: f64,
     /// Surface interactions so far.
@@ -45,23 +50,22 @@ impl Walker {
         Self {
             ray,
             throughput: Rgb::WHITE,
+            strength: 1.0,
             length: 0.0,
             depth: 0,
         }
     }
 
-    /// Follows mirrors, glass and panes to an end. At the first `splits`
-    /// surfaces where light divides, both ways are followed: one here, the
-    /// other is handed to `branch` with the number of splits left to it.
-    /// Later ones toss a coin from `stream`.
+    /// Follows mirrors, glass and panes to an end. Where light divides, the
+    /// weaker way is offered to `branch`: if it takes it (returns `true`),
+    /// both ways are followed, the stronger one here. If not, a coin from
+    /// `stream` decides on one.
     pub fn walk(
         &mut self,
         ctx: &Context<'_>,
         stream: &mut Stream,
-        splits: u32,
-        branch: &mut impl FnMut(Walker, u32),
+        branch: &mut impl FnMut(&Walker) -> bool,
     ) -> End {
-        let mut splits = splits;
         loop {
             let Some(hit) = ctx.scene.world.closest(&self.ray, f64::INFINITY) else {
                 return End::Escaped;
@@ -74,25 +78,32 @@ impl Walker {
             if self.depth >= ctx.max_depth {
                 return End::Truncated;
             }
-            let lobe = match lobes {
-                Lobes::Two(a, b) if splits > 0 && a.share > 0.0 => {
-                    splits -= 1;
+            let before = *self;
+            match lobes {
+                Lobes::One(lobe) => self.follow(&point, &lobe, 1.0),
+                Lobes::Two(a, b) => {
                     let (main, side) = if a.share < b.share { (b, a) } else { (a, b) };
-                    let mut other = *self;
-                    other.throughput *= side.weight * side.share;
-                    other.ray = point.spawn(side.dir);
-                    branch(other, splits);
-                    self.throughput *= main.share;
-                    main
+                    let mut other = before;
+                    other.follow(&point, &side, side.share);
+                    if side.share > 0.0 && branch(&other) {
+                        self.follow(&point, &main, main.share);
+                    } else {
+                        let lobe = lobes.choose(|| stream.next_1d());
+                        self.follow(&point, &lobe, 1.0);
+                    }
                 }
-                lobes => lobes.choose(|| stream.next_1d()),
-            };
-            self.throughput *= lobe.weight;
+            }
             if self.throughput.is_black() {
                 return End::Escaped;
             }
-            self.ray = point.spawn(lobe.dir);
         }
+    }
+
+    /// Goes on along a lobe, with the given part of what is carried.
+    fn follow(&mut self, point: &SurfacePoint, lobe: &Lobe, part: f64) {
+        self.throughput *= lobe.weight * part;
+        self.strength *= lobe.weight.max() / lobe.index * part;
+        self.ray = point.spawn(lobe.dir);
     }
 
     fn arrive(&mut self, ctx: &Context<'_>, hit: &Hit) -> SurfacePoint {

@@ -153,9 +153,16 @@ pub(crate) fn photon_paths(scene: &Scene, count: u64) -> Vec<Path1> {
             let mut tally = LightTally::default();
             // The first photon of a path; a second one has bounced.
             let mut photon = None;
-            trace(&ctx, &emission, &mut stream, &mut tally, &mut |p| {
-                photon.get_or_insert(p);
-            });
+            trace(
+                &ctx,
+                &emission,
+                count as f64,
+                &mut stream,
+                &mut tally,
+                &mut |p| {
+                    photon.get_or_insert(p);
+                },
+            );
             Path1 {
                 emission,
                 photon,

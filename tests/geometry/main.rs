@@ -7,4 +7,5 @@ mod leaving;
 mod place;
 mod precision;
 mod scenes;
+mod turning;
 mod watertight;

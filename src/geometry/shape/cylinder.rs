@@ -9,7 +9,7 @@ use glam::{DVec2, DVec3};
 
 use super::{ShapeHit, ShapePoint, disc::circle_half_widths, sphere::crossings};
 use crate::{
-    geometry::{Aabb, BoundingSphere, transform::unit},
+    geometry::{Aabb, BoundingSphere, Turning, transform::unit, turning::outer},
     numeric::{Frame, gamma},
 };
 
@@ -204,6 +204,17 @@ impl Cylinder {
             ng,
             ns: ng,
         }
+    }
+
+    /// How the normal turns: not on the caps, on the side only around the
+    /// axis, by one over the radius. `ns` is the normal there.
+    #[inline]
+    pub(in crate::geometry) fn turning(&self, part: u32, ns: impl Fn() -> DVec3) -> Turning {
+        if part != SIDE {
+            return Turning::Flat;
+        }
+        let around = self.axis.cross(ns());
+        Turning::General(outer(around / self.radius, around))
     }
 
     /// Error of a point formed from cylinder coordinates whose absolute sum

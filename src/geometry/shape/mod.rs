@@ -103,7 +103,11 @@ macro_rules! each {
 
 impl Shape {
     /// The nearest hit with `0 < t < t_max`.
-    #[inline]
+    #[allow(
+        clippy::inline_always,
+        reason = "so that a hit stays in registers, see `World::nearer`"
+    )]
+    #[inline(always)]
     pub fn intersect(
         &self,
         origin: DVec3,

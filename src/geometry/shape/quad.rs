@@ -60,7 +60,8 @@ impl Quad {
     }
 
     /// See [`Shape::intersect`](super::Shape::intersect).
-    #[inline]
+    #[allow(clippy::inline_always, reason = "as there")]
+    #[inline(always)]
     pub fn intersect(
         &self,
         origin: DVec3,

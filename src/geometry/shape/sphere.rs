@@ -40,7 +40,8 @@ impl Sphere {
     }
 
     /// See [`Shape::intersect`](super::Shape::intersect).
-    #[inline]
+    #[allow(clippy::inline_always, reason = "as there")]
+    #[inline(always)]
     pub fn intersect(
         &self,
         origin: DVec3,
@@ -57,14 +58,27 @@ impl Sphere {
             // sum of both.
             return accept(-2.0 * h / a);
         }
-        let (near, far) = crossings(
-            a,
-            h,
-            (from - dir * (h / a)).length(),
-            from.length(),
-            self.radius,
-        )?;
-        accept(near).or_else(|| accept(far))
+        // Most rays miss, which squares can tell. They are compared with more
+        // than their rounding, so that what is left out would be left out
+        // below: outside and leaving, or passing by.
+        let beyond = self.radius * self.radius * (1.0 + gamma(8));
+        let start = from.length_squared();
+        if h > 0.0 && start > beyond {
+            return None;
+        }
+        let closest = (from - dir * (h / a)).length_squared();
+        if closest > beyond {
+            return None;
+        }
+        let (closest, start) = (closest.sqrt(), start.sqrt());
+        let discriminant = reduced_discriminant(a, closest, self.radius);
+        if discriminant.is_nan() || discriminant < 0.0 {
+            return None;
+        }
+        // Ahead of the centre `k / q` is the nearer root; beyond it, `q / a`
+        // is behind the origin. Either way that one is asked first.
+        let q = -(h + discriminant.sqrt().copysign(h + 0.0));
+        accept(constant_term(start, self.radius) / q).or_else(|| accept(q / a))
     }
 
     /// See [`Shape::surface`](super::Shape::surface).
@@ -103,14 +117,26 @@ impl Sphere {
     }
 }
 
+/// `h^2 - a k` of the quadratic of [`crossings`], as a height.
+#[inline]
+fn reduced_discriminant(a: f64, closest: f64, r: f64) -> f64 {
+    a * ((r - closest) * (r + closest))
+}
+
+/// The `k` of the quadratic of [`crossings`].
+#[inline]
+fn constant_term(start: f64, r: f64) -> f64 {
+    (start - r) * (start + r)
+}
+
 /// Both parameters, ascending, at which a line crosses a circle or sphere of
 /// radius `r`: `a` is the squared length of its direction, `h` the product of
 /// origin and direction, `closest` and `start` the distances of the point of
 /// closest approach and of the origin from the centre.
 #[inline]
 pub(super) fn crossings(a: f64, h: f64, closest: f64, start: f64, r: f64) -> Option<(f64, f64)> {
-    let discriminant = a * ((r - closest) * (r + closest));
-    let k = (start - r) * (start + r);
+    let discriminant = reduced_discriminant(a, closest, r);
+    let k = constant_term(start, r);
     // The sign of a zero `h` chooses how the roots are rounded: adding zero
     // makes both signs the same, so that -0 in a direction changes nothing.
     match quadratic_with_discriminant(a, h + 0.0, k, discriminant) {

@@ -2,11 +2,11 @@
 
 use super::{Builder, checks::unit};
 use crate::{
-    camera::Camera,
+    camera::{Camera, Filter},
     numeric::gamma,
     scene::{
         Settings,
-        description::{Memory, Number, Part, RenderDescription},
+        description::{self, Memory, Number, Part, RenderDescription},
         outline::NodeId,
     },
 };
@@ -31,6 +31,7 @@ const MEMORY: std::ops::RangeInclusive<f64> = 1_048_576.0..=1_125_899_906_842_62
 pub(super) struct Image {
     pub(super) resolution: [u32; 2],
     pub(super) exposure: Option<f64>,
+    pub(super) filter: Filter,
 }
 
 impl Builder<'_> {
@@ -74,6 +75,11 @@ impl Builder<'_> {
         good.then_some(Image {
             resolution,
             exposure: value.exposure.map(|e| e.0),
+            filter: match value.filter {
+                description::Filter::Box => Filter::Box,
+                description::Filter::Gaussian => Filter::Gaussian,
+                description::Filter::BlackmanHarris => Filter::BlackmanHarris,
+            },
         })
     }
 

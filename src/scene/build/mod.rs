@@ -78,13 +78,7 @@ pub(super) fn build(
     if !builder.report.diagnostics.is_empty() {
         return None;
     }
-    Some(assemble(
-        objects,
-        lights,
-        camera?,
-        image?.resolution,
-        settings,
-    ))
+    Some(assemble(objects, lights, camera?, image?, settings))
 }
 
 /// Puts the parts together; lights with a shape follow the objects.
@@ -92,7 +86,7 @@ fn assemble(
     built: Vec<BuiltObject>,
     built_lights: Vec<light::BuiltLight>,
     camera: crate::camera::Camera,
-    resolution: [u32; 2],
+    image: camera::Image,
     settings: Settings,
 ) -> Scene {
     let mut instances = Vec::with_capacity(built.len());
@@ -128,7 +122,8 @@ fn assemble(
         objects,
         lights,
         camera,
-        resolution,
+        resolution: image.resolution,
+        filter: image.filter,
         settings,
     }
 }

@@ -93,10 +93,15 @@ pub struct ImageDescription {
 
 /// How a pixel averages the picture.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[serde(rename = "filter")]
 pub enum Filter {
     /// The mean over the pixel's own square.
     #[default]
     Box,
+    /// A normal distribution about the pixel's centre.
+    Gaussian,
+    /// The Blackman-Harris window about the pixel's centre.
+    BlackmanHarris,
 }
 
 /// A material as written.

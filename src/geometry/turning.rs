@@ -1,0 +1,122 @@
+//! How the shading normal turns as one moves on a surface.
+//!
+//! A ray that is reflected or refracted carries its neighbours with it: how
+//! they spread follows from the curvature under them (Igehy, *Tracing Ray
+//! Differentials*, 1999, section 3.2). Each shape states the derivative of its
+//! normal in its own space; an affine map `M` sends normals by `M^-T` and
+//! normalises them, and displacements by `M`.
+
+use glam::{DMat3, DVec3};
+
+use super::{Hit, Shape, SurfacePoint, Transform, World};
+
+/// How the shading normal changes from place to place on a surface.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Turning {
+    /// A flat surface: it does not.
+    Flat,
+    /// A triangle of a mesh that is shaded by its own normal: it does not,
+    /// within the facet.
+    Facet {
+        /// Diameter of the facet's incircle, in metres.
+        size: f64,
+    },
+    /// By the same angle in all directions.
+    Round {
+        /// Angle per length, in radians a metre: one over the radius of a
+        /// sphere.
+        curvature: f64,
+    },
+    /// By a linear map of vectors in the tangent plane, in radians a metre.
+    General(DMat3),
+}
+
+impl Turning {
+    /// The facet with these corners.
+    pub(super) fn of_facet(v: &[DVec3; 3]) -> Self {
+        let (e, f) = (v[1] - v[0], v[2] - v[0]);
+        // Four areas over the perimeter; divided first, so that a product of
+        // small edges does not vanish.
+        let perimeter = e.length() + f.length() + (f - e).length();
+        Self::Facet {
+            size: 2.0 * e.cross(f / perimeter).length(),
+        }
+    }
+
+    /// The change of the shading normal for a displacement in metres, to
+    /// first order. The displacement lies in the tangent plane of the
+    /// geometric normal, the change is perpendicular to the shading normal.
+    #[inline]
+    pub fn of(&self, displacement: DVec3) -> DVec3 {
+        match self {
+            Self::Flat | Self::Facet { .. } => DVec3::ZERO,
+            Self::Round { curvature } => displacement * *curvature,
+            Self::General(map) => *map * displacement,
+        }
+    }
+
+    /// A turning in object space, seen in the world at a point with unit
+    /// shading normal `ns`. The size of a facet has no image under a map: it
+    /// stays.
+    fn under(self, m: &Transform, ns: DVec3) -> Self {
+        match (self, m.similarity()) {
+            (Self::Flat | Self::Facet { .. }, _) => self,
+            (Self::Round { curvature }, Some(scale)) => Self::Round {
+                curvature: curvature / scale,
+            },
+            (Self::Round { curvature }, None) => {
+                Self::General(m.turning(DMat3::from_diagonal(DVec3::splat(curvature)), ns))
+            }
+            (Self::General(map), _) => Self::General(m.turning(map, ns)),
+        }
+    }
+}
+
+/// The matrix `a b^T`.
+#[inline]
+pub(super) fn outer(a: DVec3, b: DVec3) -> DMat3 {
+    DMat3::from_cols(a * b.x, a * b.y, a * b.z)
+}
+
+impl Shape {
+    /// How the shading normal turns at a point of a part, in the shape's own
+    /// space; `ns` is the normal there.
+    #[inline]
+    fn turning(&self, part: u32, uv: [f64; 2], ns: impl Fn() -> DVec3) -> Turning {
+        match self {
+            Self::Plane(_) | Self::Quad(_) | Self::Disc(_) | Self::Triangle(_) => Turning::Flat,
+            Self::Sphere(s) => Turning::Round {
+                curvature: 1.0 / s.radius(),
+            },
+            Self::Cylinder(c) => c.turning(part, ns),
+            Self::Mesh(m) => m.turning(part, uv),
+        }
+    }
+}
+
+impl World {
+    /// How the shading normal `point.ns` turns at a hit, of which `point` is
+    /// the [`surface`](Self::surface). It describes the normal as it stands
+    /// there, whatever the side from which it is seen.
+    #[inline]
+    pub fn turning(&self, hit: &Hit, point: &SurfacePoint) -> Turning {
+        let instance = &self.instances()[hit.surface.instance as usize];
+        let (shape, part) = (&instance.shape, hit.surface.part);
+        let Some(m) = &instance.transform else {
+            return shape.turning(part, hit.uv, || point.ns);
+        };
+        let own = shape.turning(part, hit.uv, || m.inverse_normal(point.ns));
+        let Shape::Mesh(mesh) = shape else {
+            return own.under(m, point.ns);
+        };
+        // Normals that the map has driven apart were replaced by the facet's.
+        let replaced = || {
+            let (ng, ns) = mesh.normals(part, hit.uv);
+            !m.agree(ng, ns)
+        };
+        match own {
+            Turning::General(_) if point.ns != point.ng || !replaced() => own.under(m, point.ns),
+            _ => Turning::of_facet(&mesh.triangle(part).map(|p| m.point(p))),
+        }
+    }
+}

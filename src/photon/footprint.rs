@@ -1,0 +1,152 @@
+//! The patch of a receiver that a photon stands for.
+//!
+//! A photon path is one of `n` that fill the sample space evenly; each has a
+//! cell of volume `1 / n`, divided by the probability of the choices on its way
+//! (paths that chose as it did are rarer). The derivatives turn the cell into
+//! a patch; the photon's kernel is an ellipse of that shape, larger by a
+//! constant, so that kernels overlap evenly however the light was stretched.
+//!
+//! Each pair of coordinates may have a cell of its own size: only the volume
+//! is given. The sizes are chosen so that no pair spreads light further than
+//! the others, which makes the patch smallest; a pair that moves the photon
+//! less than that even over its whole range (a light so small that it looks
+//! like a point) counts with its whole range.
+
+use glam::{DVec2, DVec3};
+
+use crate::{
+    numeric::Frame,
+    transport::{Differential, differential::MAX_PAIRS},
+};
+
+/// Semi-axes of a photon's kernel in the first round.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Footprint {
+    /// Major semi-axis in the surface's tangent plane, metres.
+    pub major: DVec3,
+    /// Length of the minor one, metres.
+    pub minor: f64,
+}
+
+/// Kernel semi-axes over those of the cell's patch, by the number of pairs of
+/// coordinates that share its volume. A cell that is spread over more
+/// dimensions is wider from the start and holds more of its neighbours.
+const OVERLAP: [f64; MAX_PAIRS + 1] = [1.0, 2.6, 0.6, 0.5];
+
+/// Most strain of a kernel (see [`Differential::strains`]) for which
+/// the derivatives are believed.
+const MOST_STRAIN: f64 = 0.5;
+
+impl Footprint {
+    /// The footprint of a photon that arrived with these derivatives on a
+    /// surface of normal `n`, one of `paths` paths. `None` where the
+    /// derivatives do not hold over as much as a kernel.
+    pub fn new(differential: &Differential, paths: f64, n: DVec3) -> Option<Self> {
+        let pairs = differential.pairs();
+        if pairs.is_empty() {
+            return None;
+        }
+        let sizes = cell_sizes(differential, paths);
+        let frame = Frame::around(n);
+        let mut axes = [DVec2::ZERO; 2 * MAX_PAIRS];
+        let mut strain = 0.0;
+        let scale = OVERLAP[sizes.sharing];
+        for (i, pair) in pairs.iter().enumerate() {
+            let h = scale * sizes.squared[i].sqrt();
+            strain += sizes.squared[i] * differential.strains()[i];
+            for (k, v) in pair.dp.iter().enumerate() {
+                // No kernel reaches past the last photon of its light.
+                let h = h.min(differential.room()[i][k]);
+                axes[2 * i + k] = DVec2::new(frame.s.dot(*v), frame.t.dot(*v)) * h;
+            }
+        }
+        if !(strain * scale * scale <= MOST_STRAIN * MOST_STRAIN) {
+            return None;
+        }
+        let (major, minor) = ellipse(&axes[..2 * pairs.len()])?;
+        Some(Self {
+            major: frame.s * major.x + frame.t * major.y,
+            minor,
+        })
+    }
+}
+
+/// Squared edge of each pair's cell, and how many pairs share the volume.
+struct CellSizes {
+    squared: [f64; MAX_PAIRS],
+    sharing: usize,
+}
+
+fn cell_sizes(differential: &Differential, paths: f64) -> CellSizes {
+    let pairs = differential.pairs();
+    let mut squared = [1.0; MAX_PAIRS];
+    let reach = |i: usize| {
+        let [a, b] = pairs[i].dp;
+        a.length_squared() + b.length_squared()
+    };
+    let mut open: u32 = (1 << pairs.len()) - 1;
+    loop {
+        let members = || (0..pairs.len()).filter(|i| open & (1 << i) != 0);
+        let sharing = open.count_ones() as usize;
+        // All sharing pairs spread light equally far: squared[i] * reach(i) = spread.
+        let volume = 1.0 / (paths * differential.chance);
+        let spread = members().map(reach).product::<f64>() * volume;
+        let spread = match sharing {
+            0 => {
+                return CellSizes {
+                    squared,
+                    sharing: 1,
+                };
+            }
+            1 => spread,
+            2 => spread.sqrt(),
+            _ => libm::cbrt(spread),
+        };
+        let within = members()
+            .filter(|&i| reach(i) <= spread)
+            .fold(0, |s, i| s | 1 << i);
+        if within == 0 || (within == open && sharing == 1) {
+            for i in members() {
+                squared[i] = (spread / reach(i)).min(1.0);
+            }
+            return CellSizes { squared, sharing };
+        }
+        // These count with their whole range; the others share what is left.
+        open &= !within;
+    }
+}
+
+/// The ellipse whose matrix is the sum of the vectors' outer products: its
+/// major semi-axis and the length of the minor one. `None` if it is not finite
+/// or a point.
+fn ellipse(vectors: &[DVec2]) -> Option<(DVec2, f64)> {
+    let (mut a, mut b, mut c) = (0.0, 0.0, 0.0);
+    for v in vectors {
+        a += v.x * v.x;
+        b += v.x * v.y;
+        c += v.y * v.y;
+    }
+    // The determinant as a sum of squares (Cauchy and Binet): no cancellation
+    // where light is focused to a line.
+    let mut determinant = 0.0;
+    for (i, v) in vectors.iter().enumerate() {
+        for w in &vectors[..i] {
+            let d = v.perp_dot(*w);
+            determinant += d * d;
+        }
+    }
+    let half = 0.5 * (a - c);
+    let root = (half * half + b * b).sqrt();
+    let major = 0.5 * (a + c) + root;
+    if !(major > 0.0 && major.is_finite()) {
+        return None;
+    }
+    // Of the two ways to write the eigenvector, the one without cancellation.
+    let axis = if half >= 0.0 {
+        DVec2::new(half + root, b)
+    } else {
+        DVec2::new(b, root - half)
+    };
+    let axis = axis.try_normalize().unwrap_or(DVec2::X);
+    Some((axis * major.sqrt(), (determinant / major).sqrt()))
+}
