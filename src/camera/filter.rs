@@ -180,7 +180,7 @@ mod tests {
 
     /// Variances in closed form: of the cut-off normal distribution,
     /// s^2 (1 - 2 c phi(c) / (2 Phi(c) - 1)) with c = r / s; of the window,
-    /// r^2 (1/3 + sum of 2 (-1)^k a_k / (a_0 k^2 pi^2)).
+    /// `r^2 (1/3 + sum of 2 (-1)^k a_k / (a_0 k^2 pi^2))`.
     #[test]
     fn moments_of_the_samples() {
         let c = RADIUS / SIGMA;

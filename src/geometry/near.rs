@@ -104,17 +104,15 @@ impl Shape {
 }
 
 impl TriangleMesh {
-    /// Down to a small part of `within`, by halving: the distance to the boxes
-    /// of a few neighbouring triangles.
+    /// By the boxes of a few neighbouring triangles; infinite if none is
+    /// within reach, and zero if one is within a small part of it.
     fn distance_bound(&self, p: DVec3, within: f64) -> f64 {
-        let mut bound = within;
-        for _ in 0..4 {
-            if !self.bvh().near(p, bound, |_| true) {
-                return bound;
-            }
-            bound *= 0.25;
+        if !self.bvh().near(p, within, |_| true) {
+            return f64::INFINITY;
         }
-        0.0
+        let parts = [0.25, 0.0625, 0.015_625].map(|part| part * within);
+        let clear = |reach: &f64| !self.bvh().near(p, *reach, |_| true);
+        parts.into_iter().find(clear).unwrap_or(0.0)
     }
 }
 

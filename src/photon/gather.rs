@@ -13,7 +13,7 @@ use crate::{
 use super::{Ellipse, Gathered, PhotonMap, Query};
 
 /// Directions in which walls around a gather point are looked for.
-const DIRECTIONS: usize = 24;
+const DIRECTIONS: usize = 32;
 
 /// Smallest share of a kernel that is made up for: in a narrow gap the share
 /// is not known well enough to divide by it.
@@ -75,7 +75,9 @@ pub fn gather(
         if ellipse.major <= clear {
             return 1.0;
         }
-        let seen = offset.length_squared() <= clear * clear || {
+        // With room for the photon's rounded place.
+        let near = 4.0 * offset.length_squared() <= clear * clear;
+        let seen = near || {
             let way = at.point.spawn_towards(at.point.p + offset);
             way.is_none_or(|(ray, distance)| !world.occluded_by(&walls, &ray, distance))
         };

@@ -16,12 +16,16 @@ use crate::{
     transport::{Context, DiffusePoint, End, Walker, direct_light},
 };
 
-use super::{coordinates, glints::Glints, view::view};
+use super::{
+    coordinates,
+    glints::{self, Glints},
+    view::view,
+};
 
-/// Where light divides, both ways are followed while the weaker one is
-/// stronger than this; below, a coin decides. Every single reflection in glass
-/// is then seen by all samples, with little weight, instead of by few with
-/// the weight of all.
+/// Where light divides, both ways are followed at the first surface, and later
+/// while the weaker way is stronger than this; below, a coin decides. Every
+/// single reflection in glass or water is then seen by all samples, with
+/// little weight, instead of by few with the weight of all.
 const SPLIT_ABOVE: f64 = 0.03;
 
 /// Shadow rays at the first diffuse surface: at least the first number, and
@@ -123,7 +127,7 @@ impl Gather<'_> {
         view(
             &self.ctx,
             ray,
-            SPLIT_ABOVE,
+            glints::PILOT_SPLIT_ABOVE,
             coins,
             &mut CameraTally::default(),
             |walker, end, _| near |= glints.near(walker, end),

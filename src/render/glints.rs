@@ -19,7 +19,11 @@ use crate::{
 };
 
 /// Rays of the pilot through every pixel.
-pub(super) const PILOT_RAYS: u64 = 8;
+pub(super) const PILOT_RAYS: u64 = 4;
+
+/// Strength above which the pilot follows both ways: images weaker than this
+/// are not the ones that spoil a picture.
+pub(super) const PILOT_SPLIT_ABOVE: f64 = 0.1;
 
 /// Rays that look for sources through a chosen pixel in every pass. A power
 /// of two: they and those of later rounds are then whole nets of the pixel.

@@ -15,6 +15,7 @@ mod pass;
 mod pilot;
 mod report;
 mod schedule;
+mod share;
 mod view;
 
 pub use driver::{Job, Outcome, Progress, run};

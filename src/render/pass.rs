@@ -22,24 +22,19 @@ use super::{
     memory::{FEWEST_PHOTONS, photon_budget},
     pilot::{Epochs, Pilot, epoch},
     schedule::{REPLICATES, Schedule},
+    share::{Probe, Survey, Work},
 };
 
-/// Pixels per photon path and pass, where the user does not say. Of powers of
-/// two this gave the least error times cost over the canonical scenes.
-const PIXELS_PER_PHOTON: u64 = 2;
-
-/// Photons that the queries of one camera sample may look at on average: the
-/// looking then costs a part of what the rest of the sample does. Where light is
-/// concentrated, fewer photons a pass do, and more passes follow.
-const VISITS_PER_SAMPLE: f64 = 32.0;
+/// Most photon paths that the program chooses.
+const MOST_PHOTONS: u64 = 1 << 23;
 
 /// Kernel scale of the first round, in pixel footprints, at which photons have
 /// kernels of their own footprint's size.
 const NATURAL_SCALE: f64 = 2.0;
 
-/// Photon paths and camera samples of the pilot that counts those visits.
+/// Photon paths of each of the pilot's two sets, and pixels it looks at.
 const PILOT_PHOTONS: u64 = 1 << 14;
-const PILOT_SAMPLES: u32 = 1 << 10;
+const PILOT_PIXELS: u64 = 1 << 11;
 
 /// Everything that passes of one render share.
 pub struct Renderer<'a> {
@@ -139,6 +134,7 @@ impl<'a> Renderer<'a> {
             resolution: self.resolution,
             seed: self.settings.seed,
             photons: self.photons,
+            shrink: self.schedule.scale(0) / NATURAL_SCALE,
         };
         let emitters = self.emitters.as_ref()?;
         Some(emitters.at(epoch(round), &|e, before| pilot.teach(e, before)))
@@ -213,20 +209,16 @@ impl<'a> Renderer<'a> {
         )
     }
 
-    /// Photon paths of a pass: what the user says, or a power of two near the
-    /// number of pixels, less where the pilot finds light concentrated; never
-    /// more than the memory budget holds.
+    /// Photon paths of a pass: what the user says, or the power of two with
+    /// the least error for its work by a pilot; never more than the memory
+    /// budget holds. The pilot looks at the whole picture, so that a crop is
+    /// a window of it.
     fn photon_paths(&self) -> u64 {
         let wanted = self.settings.photons.unwrap_or_else(|| {
-            // Those of the whole picture, so that a crop is a window of it.
-            let pixels = u64::from(self.resolution[0]) * u64::from(self.resolution[1]);
-            let most = (pixels / PIXELS_PER_PHOTON)
-                .next_power_of_two()
-                .clamp(1 << 14, 1 << 23);
-            let affordable = PILOT_PHOTONS as f64 * VISITS_PER_SAMPLE / self.pilot_visits();
-            // `as` saturates where the pilot visited nothing.
-            let affordable = 1u64 << (affordable as u64).max(1).ilog2();
-            affordable.clamp(FEWEST_PHOTONS, most)
+            self.emitter().map_or(FEWEST_PHOTONS, |emitter| {
+                self.survey(emitter)
+                    .best_paths(FEWEST_PHOTONS, MOST_PHOTONS)
+            })
         });
         // A job that was checked has room for a few; one that was not gets them.
         let size = [self.crop[2], self.crop[3]];
@@ -234,26 +226,47 @@ impl<'a> Renderer<'a> {
         wanted.clamp(1, room)
     }
 
-    /// Photons looked at per camera sample when the pilot's photons are in
-    /// the map.
-    fn pilot_visits(&self) -> f64 {
-        let Some(emitter) = self.emitter() else {
-            return 0.0;
+    /// The pilot: two camera samples in each of some pixels, with two
+    /// independent sets of photons.
+    fn survey(&self, emitter: &Emitter) -> Survey {
+        let seed = self.settings.seed;
+        let maps = [2, 3].map(|replicate| {
+            let photons = Sequence::new(seed, Purpose::Pilot, replicate, 0);
+            let shot = shoot(&self.context(), emitter, photons, 0, PILOT_PHOTONS);
+            self.map(&shot, 0)
+        });
+        let gathers = [0, 1].map(|k| self.gatherer(Some(&maps[k]), 0));
+        let pixels = Sequence::new(seed, Purpose::Pilot, 4, 0);
+        let [width, height] = self.resolution;
+        let probe = |i: u64| {
+            let [u, v] = pixels.at(i).next_2d();
+            let [px, py] = [f64::from(width) * u, f64::from(height) * v].map(|x| x as u32);
+            let mut tally = CameraTally::default();
+            let mut look = |sample: u64, set: usize| {
+                let stream = Sequence::new(seed, Purpose::Pilot, 5, i).at(sample);
+                let ray = self.ray(px, py, &stream);
+                let found = gathers[set].sample(ray, &stream, &mut tally);
+                // Where sources shine, neither photons nor shares matter.
+                (found.total() - found[Layer::Emission]).mean()
+            };
+            let probe = Probe {
+                first: [look(0, 0), look(0, 1)],
+                second: look(1, 1),
+            };
+            (probe, tally)
         };
-        let photons = Sequence::new(self.settings.seed, Purpose::Pilot, 2, 0);
-        let shot = shoot(&self.context(), emitter, photons, 0, PILOT_PHOTONS);
-        let map = self.map(&shot, 0);
-        let gather = self.gatherer(Some(&map), 0);
-        let camera = Sequence::new(self.settings.seed, Purpose::Pilot, 3, 0);
-        let [width, height] = self.resolution.map(f64::from);
-        let mut tally = CameraTally::default();
-        for i in 0..PILOT_SAMPLES {
-            let stream = camera.at(u64::from(i));
-            let [u, v] = coordinates::film(&stream);
-            let film = DVec2::new(u * width, v * height);
-            gather.sample(self.camera.ray(film), &stream, &mut tally);
-        }
-        tally.visited as f64 / f64::from(PILOT_SAMPLES)
+        let found: Vec<(Probe, CameraTally)> =
+            (0..PILOT_PIXELS).into_par_iter().map(probe).collect();
+        let (probes, tallies): (Vec<Probe>, Vec<CameraTally>) = found.into_iter().unzip();
+        let sum = |f: fn(&CameraTally) -> u64| tallies.iter().map(f).sum();
+        let work = Work {
+            samples: 3 * PILOT_PIXELS,
+            rays: sum(|t| t.rays),
+            queries: sum(|t| t.queries),
+            visited: sum(|t| t.visited),
+        };
+        let all = u64::from(width) * u64::from(height);
+        Survey::new(&probes, PILOT_PHOTONS, work, all)
     }
 
     /// What camera samples of a round may ask.

@@ -113,6 +113,8 @@ pub(super) struct Pilot<'a> {
     pub(super) seed: u64,
     /// Photon paths of a pass.
     pub(super) photons: u64,
+    /// Factor on the photons' footprints.
+    pub(super) shrink: f64,
 }
 
 impl Pilot<'_> {
@@ -125,7 +127,7 @@ impl Pilot<'_> {
         let sequence = |k: u32| Sequence::new(self.seed, Purpose::Pilot, number + k, 0);
         let ctx = &self.gather.ctx;
         let rehearsal = Rehearsal::new(ctx, before, sequence(0), paths);
-        let map = PhotonMap::new(&rehearsal.photons, rehearsal.paths(), 1.0);
+        let map = PhotonMap::new(&rehearsal.photons, rehearsal.paths(), self.shrink);
         let points = self.look(&map, sequence(1), sequence(2), samples);
         drop(map);
         let importance = Importance::new(&points, samples);

@@ -37,8 +37,8 @@ impl Pending {
 }
 
 /// Follows `ray` to every end that it has: where light divides, both ways
-/// while the weaker one is stronger than `split_above`; below, a coin from
-/// `coins` decides on one. Strengths sum to at most 1 over all ends, the
+/// at the first surface and while the weaker one is stronger than
+/// `split_above`; below, a coin from `coins` decides on one. Strengths sum to at most 1 over all ends, the
 /// strongest way comes to its end first.
 pub(super) fn view(
     ctx: &Context<'_>,
@@ -56,7 +56,7 @@ pub(super) fn view(
     while let Some(mut walker) = next {
         let before = walker.depth;
         let end = walker.walk(ctx, &mut coins, &mut |other| {
-            other.strength > split_above && pending.take(other)
+            (other.depth == 1 || other.strength > split_above) && pending.take(other)
         });
         tally.rays += u64::from(walker.depth - before) + 1;
         on_end(&walker, &end, tally);
