@@ -66,7 +66,7 @@ impl Start {
                 pair.dd[k] *= *by;
             }
         }
-        let [a, b, c, d] = guided.room();
+        let [a, b, c, d] = guided.room;
         self.differential.bound(0, [a, b]);
         self.differential.bound(1, [c, d]);
     }

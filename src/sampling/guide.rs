@@ -81,6 +81,9 @@ pub struct Guided {
     /// Derivative of each coordinate by that of the even point. Their product
     /// is one over the density.
     pub stretch: [f64; GUIDE_DIMENSIONS],
+    /// How far each coordinate of the even point is from the end of the range
+    /// over which density and stretch stay the same.
+    pub room: [f64; GUIDE_DIMENSIONS],
 }
 
 impl Guided {
@@ -90,15 +93,8 @@ impl Guided {
             at,
             density: 1.0,
             stretch: [1.0; GUIDE_DIMENSIONS],
+            room: at.map(|u| u.min(1.0 - u)),
         }
-    }
-}
-
-impl Guided {
-    /// How far each coordinate is from the end of its range, in units of the
-    /// even point's if the stretch went on unchanged.
-    pub fn room(&self) -> [f64; GUIDE_DIMENSIONS] {
-        std::array::from_fn(|d| self.at[d].min(1.0 - self.at[d]) / self.stretch[d])
     }
 }
 
@@ -213,6 +209,7 @@ impl Guide {
         for d in 0..GUIDE_DIMENSIONS {
             out.at[d] = (low[d] + width[d] * u[d]).min(BELOW_ONE);
             out.stretch[d] = width[d] / chance[d];
+            out.room[d] = u[d].min(1.0 - u[d]) * chance[d];
             out.density *= chance[d] / width[d];
         }
         out
