@@ -20,6 +20,7 @@ use super::{
     camera_walk::{CameraTally, Gather},
     coordinates,
     importance::{Blocks, Importance, Reached, beam, reach},
+    memory::FEWEST_PHOTONS,
     schedule::REPLICATES,
 };
 
@@ -40,6 +41,11 @@ const PATHS: [u64; 2] = [1 << 12, 1 << 16];
 /// Camera samples of a pilot: with fewer than the first number nothing is seen
 /// well, with more than the second nothing better.
 const SAMPLES: [u64; 2] = [1 << 8, 1 << 16];
+
+/// Part of the picture's size by which a pilot looks past each of its edges:
+/// kernels of photons beyond them reach in, and where photons become sparse
+/// must lie out of sight.
+const MARGIN: f64 = 0.15;
 
 /// Photon paths that cost as much as a camera sample, roughly.
 const PATHS_PER_SAMPLE: u64 = 4;
@@ -122,6 +128,10 @@ impl Pilot<'_> {
     /// the work allowed is too little to learn from, or no photon that was
     /// traced can be seen.
     pub(super) fn teach(&self, epoch: usize, before: &Emitter) -> Option<Emitter> {
+        // A guide has cells of many paths; few paths do better evenly spread.
+        if self.photons < FEWEST_PHOTONS {
+            return None;
+        }
         let [paths, samples] = self.size(epoch)?;
         let number = FIRST_SEQUENCE + 3 * epoch as u32;
         let sequence = |k: u32| Sequence::new(self.seed, Purpose::Pilot, number + k, 0);
@@ -136,7 +146,7 @@ impl Pilot<'_> {
             // equally well, photons then spread evenly over what is seen.
             photon.flux.mean() * importance.of(photon).sqrt()
         });
-        before.taught(&lessons)
+        before.taught(&lessons, self.photons)
     }
 
     /// Photon paths and camera samples of an epoch's pilot.
@@ -170,6 +180,7 @@ impl Pilot<'_> {
             .map(|i| {
                 let stream = light.at(i);
                 let [u, v] = coordinates::film(&stream);
+                let [u, v] = [u, v].map(|x| x + MARGIN * (2.0 * x - 1.0));
                 let film = DVec2::new(u * width, v * height);
                 let ray = self.camera.ray(film);
                 let found = gather.sample(ray, &stream, &mut CameraTally::default());

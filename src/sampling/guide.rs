@@ -110,14 +110,14 @@ pub struct Weighed {
 
 impl Guide {
     /// A distribution that follows the weights, over the first `dimensions`
-    /// coordinates. `None` if all weights are zero. The result depends on the
-    /// samples and their order alone.
-    pub fn learn(samples: &[Weighed], dimensions: usize) -> Option<Self> {
+    /// coordinates and with at most `cells` cells. `None` if all weights are zero.
+    /// The result depends on the samples and their order alone.
+    pub fn learn(samples: &[Weighed], dimensions: usize, cells: usize) -> Option<Self> {
         let found: Vec<Weighed> = samples.iter().filter(|s| s.weight > 0.0).copied().collect();
         if found.is_empty() {
             return None;
         }
-        let most = samples.len() / SAMPLES_PER_LEAF;
+        let most = cells.min(samples.len() / SAMPLES_PER_LEAF);
         let coarse = Self::grow(&found, dimensions, most.min(COARSE_LEAVES), 1.0);
         // The border of what matters is known as well as the coarse cells are
         // small; light just beyond it must not come as a rare bright photon.
