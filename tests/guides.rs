@@ -189,7 +189,7 @@ fn lessons_move_paths() {
             lesson.score = 0.0;
         }
     }
-    let taught = plain.taught(&lessons).expect("scores");
+    let taught = plain.taught(&lessons, PATHS).expect("scores");
     let share = |emitter: &Emitter| {
         let tally = shoot(&ctx, emitter, sequence, 0, 1 << 14).tally;
         tally.lights[1].paths as f64 / f64::from(1 << 14)
@@ -208,7 +208,7 @@ fn lessons_move_paths() {
         };
     }
     assert!(
-        plain.taught(&lessons).is_none(),
+        plain.taught(&lessons, PATHS).is_none(),
         "nothing was worth anything"
     );
 }

@@ -51,8 +51,8 @@ pub(super) struct Start {
 }
 
 impl Start {
-    /// The same start as one that was drawn by a guide: denser, and its
-    /// neighbours nearer.
+    /// The same start as one that was drawn by a guide: denser, its neighbours
+    /// nearer, and there only as far as the light's emission goes.
     pub(super) fn stretch(&mut self, guided: &Guided) {
         self.own_density *= guided.density;
         for (pair, by) in self
@@ -66,6 +66,9 @@ impl Start {
                 pair.dd[k] *= *by;
             }
         }
+        let [a, b, c, d] = guided.room;
+        self.differential.bound(0, [a, b]);
+        self.differential.bound(1, [c, d]);
     }
 
     /// The start moved back along its line, to where parallel light has met

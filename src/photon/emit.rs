@@ -79,8 +79,6 @@ impl Emitter {
         let chance = self.choice.probability(light);
         let mut differential = launch.differential;
         differential.chance *= chance;
-        differential.bound(0, direction);
-        differential.bound(1, point);
         let emission = Emission {
             ray: launch.ray,
             flux: launch.flux / chance,

@@ -16,7 +16,7 @@
 use rayon::prelude::*;
 
 use crate::{
-    sampling::{GUIDE_DIMENSIONS, Guide, Sequence, Weighed},
+    sampling::{GUIDE_DIMENSIONS, Guide, Sequence, Stream, Weighed},
     transport::Context,
 };
 
@@ -25,6 +25,15 @@ use super::{Aim, Emitter, LightTally, Photon, trace};
 /// Part of all paths that goes to lights and targets by power, whatever the
 /// scores say.
 const BY_POWER: f64 = 0.1;
+
+/// Mean square of the scores over the square of their mean, from which on it
+/// is worth while to teach: the most by which the variance can fall. With less
+/// to gain, the evenness of paths that nobody guided is worth more.
+const WORTH_IT: f64 = 2.0;
+
+/// Paths of a pass for each cell of a guide: a photon's kernel ends where its
+/// cell does, and where that cut most kernels, light would be uneven.
+const PATHS_PER_CELL: f64 = 64.0;
 
 /// Paths in a chunk of a rehearsal; the result does not depend on it.
 const CHUNK: u64 = 1024;
@@ -72,7 +81,7 @@ impl Rehearsal {
             .map(|c| {
                 let mut chunk = Self::default();
                 for index in c * CHUNK..((c + 1) * CHUNK).min(count) {
-                    chunk.trace(ctx, emitter, sequence, index, count as f64);
+                    chunk.trace(ctx, emitter, sequence.at(index), count as f64);
                 }
                 chunk
             })
@@ -85,15 +94,7 @@ impl Rehearsal {
         all
     }
 
-    fn trace(
-        &mut self,
-        ctx: &Context<'_>,
-        emitter: &Emitter,
-        sequence: Sequence,
-        index: u64,
-        paths: f64,
-    ) {
-        let mut stream = sequence.at(index);
+    fn trace(&mut self, ctx: &Context<'_>, emitter: &Emitter, mut stream: Stream, paths: f64) {
         let (emission, origin) = emitter.emit_from(ctx, &mut stream);
         let before = self.photons.len();
         let mut ledger = LightTally::default();
@@ -147,10 +148,11 @@ impl Emitter {
 
     /// An emitter that spreads its paths in proportion to the scores, but for
     /// a tenth that goes on as power and chance will have it: every path that
-    /// was possible stays so. The lessons must come from rehearsals of this
-    /// emitter. `None` if no path was worth anything.
+    /// was possible stays so. A pass is to have so many `paths`. The lessons must come from rehearsals of this
+    /// emitter. `None` if no path was worth anything, or nearly all were worth the
+    /// same: then there is little to gain.
     #[must_use]
-    pub fn taught(&self, lessons: &[Lesson]) -> Option<Self> {
+    pub fn taught(&self, lessons: &[Lesson], paths: u64) -> Option<Self> {
         let mut found: Vec<Vec<Vec<Weighed>>> = self
             .aims()
             .iter()
@@ -170,7 +172,13 @@ impl Emitter {
                 samples.push(Weighed { at, weight });
             }
         }
-        if total == 0.0 {
+        let squares: f64 = found
+            .iter()
+            .flatten()
+            .flatten()
+            .map(|s| s.weight * s.weight)
+            .sum();
+        if total == 0.0 || lessons.len() as f64 * squares < WORTH_IT * total * total {
             return None;
         }
         let power: f64 = self.aims().iter().map(Aim::power_estimate).sum();
@@ -183,7 +191,11 @@ impl Emitter {
             let parts: Vec<f64> = found.iter().zip(aim.powers()).map(share).collect();
             let guides = found
                 .par_iter()
-                .map(|samples| Guide::learn(samples, aim.dimensions()))
+                .zip(&parts)
+                .map(|(samples, part)| {
+                    let cells = part * paths as f64 / PATHS_PER_CELL;
+                    Guide::learn(samples, aim.dimensions(), cells as usize)
+                })
                 .collect();
             shares.push(parts.iter().sum());
             aims.push(aim.taught(&parts, guides));

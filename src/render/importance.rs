@@ -13,29 +13,48 @@ use std::f64::consts::FRAC_1_PI;
 use glam::{DVec2, DVec3};
 
 use crate::{
-    camera::{Camera, Footprint},
+    camera::{Camera, Footprint as Beam},
     geometry::Ray,
     material::Material,
     numeric::Frame,
-    photon::{Photon, PhotonMap, Query},
+    photon::{Footprint, Photon, PhotonMap, Query},
     sampling::{Stream, warp},
     spectrum::Rgb,
     transport::{Context, DiffusePoint, End, Walker},
 };
 
-/// Radius of the kernel in mean distances between neighbouring camera paths:
-/// it holds about a dozen.
+/// Radius of a point's kernel in mean distances between neighbouring camera
+/// paths: it reaches about a dozen others.
 const SPACINGS: f64 = 2.0;
+
+/// Radius of a point's kernel after a diffuse bounce, in metres per metre of
+/// the way from there.
+const DIFFUSE_SPREAD: f64 = 0.2;
+
+/// Smallest cosine of incidence by which a kernel is stretched.
+const GRAZING: f64 = 0.2;
 
 /// Points that a camera path reached, not yet weighed against their pixel: the
 /// weight is `t^2`.
 pub(super) type Reached = [Option<Photon>; 2];
 
+/// The kernel radius of points seen by one of `samples` paths over a picture.
+pub(super) fn beam(camera: &Camera, resolution: [u32; 2], samples: u64) -> Beam {
+    let [w, h] = resolution.map(f64::from);
+    let pixel = camera.pixel_footprint();
+    let scale = SPACINGS * (w * h / samples as f64).sqrt();
+    Beam {
+        width: pixel.width * scale,
+        spread: pixel.spread * scale,
+    }
+}
+
 /// Follows a camera ray to the first diffuse surface, where all photons are
 /// looked up, and on to the next one, where those that bounced are.
-pub(super) fn reach(ctx: &Context<'_>, ray: Ray, stream: &mut Stream) -> Reached {
+pub(super) fn reach(ctx: &Context<'_>, ray: Ray, beam: Beam, stream: &mut Stream) -> Reached {
     let mut reached = [None; 2];
     let mut path = Walker::new(ray);
+    let (mut beam, mut before) = (beam, 0.0);
     for (i, place) in reached.iter_mut().enumerate() {
         let End::Surface {
             point,
@@ -47,11 +66,12 @@ pub(super) fn reach(ctx: &Context<'_>, ray: Ray, stream: &mut Stream) -> Reached
         let at = DiffusePoint::new(point, path.ray.dir, reflectance);
         path.throughput *= reflectance;
         let t = path.throughput.mean() * FRAC_1_PI;
+        let radius = beam.width + beam.spread * (path.length - before);
         *place = Some(Photon {
             position: point.p,
             normal: at.ng,
             flux: Rgb::grey(t * t),
-            footprint: None,
+            footprint: Some(kernel(path.ray.dir, at.ng, radius)),
             bounced: i > 0,
         });
         let local = warp::cosine_hemisphere(stream.next_2d());
@@ -60,8 +80,24 @@ pub(super) fn reach(ctx: &Context<'_>, ray: Ray, stream: &mut Stream) -> Reached
             break;
         }
         path.ray = point.spawn(dir);
+        before = path.length;
+        beam = Beam {
+            width: radius,
+            spread: DIFFUSE_SPREAD,
+        };
     }
     reached
+}
+
+/// The ellipse in which a beam of a radius, travelling along `d`, meets a
+/// surface of normal `n`.
+fn kernel(d: DVec3, n: DVec3, radius: f64) -> Footprint {
+    let along = (d - n * d.dot(n)).try_normalize();
+    let stretch = 1.0 / d.dot(n).abs().max(GRAZING);
+    Footprint {
+        major: along.unwrap_or_else(|| Frame::around(n).s) * (radius * stretch),
+        minor: radius,
+    }
 }
 
 /// Light of the picture, averaged over blocks of pixels.
@@ -125,45 +161,33 @@ impl Blocks {
 /// Importance of a picture, ready to be asked.
 pub(super) struct Importance {
     map: PhotonMap,
-    /// Where the view starts, for the distance of a point.
-    eye: DVec3,
-    /// Width of the kernel's radius at a distance.
-    radius: Footprint,
+    /// The longest kernel, metres.
+    longest: f64,
 }
 
 impl Importance {
     /// Of weighed points that `samples` camera paths over the whole picture
     /// reached.
-    pub(super) fn new(
-        points: &[Photon],
-        samples: u64,
-        camera: &Camera,
-        resolution: [u32; 2],
-    ) -> Self {
-        let [w, h] = resolution.map(f64::from);
-        let pixel = camera.pixel_footprint();
-        let scale = SPACINGS * (w * h / samples as f64).sqrt();
+    pub(super) fn new(points: &[Photon], samples: u64) -> Self {
+        let lengths = points.iter().filter_map(|p| p.footprint);
         Self {
             map: PhotonMap::new(points, samples, 1.0),
-            eye: camera.ray(DVec2::new(0.5 * w, 0.5 * h)).origin,
-            radius: Footprint {
-                width: pixel.width * scale,
-                spread: pixel.spread * scale,
-            },
+            longest: lengths
+                .map(|f| f.major.length())
+                .filter(|length| length.is_finite())
+                .fold(f64::MIN_POSITIVE, f64::max),
         }
     }
 
     /// Importance per m2 where a photon landed, for light of its kind.
     pub(super) fn of(&self, photon: &Photon) -> f64 {
-        let distance = self.eye.distance(photon.position);
-        let radius = self.radius.width + self.radius.spread * distance;
         let query = Query {
             p: photon.position,
             n: photon.normal,
             least: 0.0,
-            most: radius,
-            most_bounced: radius,
-            blind: radius,
+            most: self.longest,
+            most_bounced: self.longest,
+            blind: 0.0,
             caustics: true,
         };
         let found = self.map.irradiance(&query, |_, _| 1.0);
@@ -200,11 +224,12 @@ mod tests {
     fn importance_is_weight_per_area() {
         let sequence = Sequence::new(1, Purpose::Pilot, 0, 0);
         let n = 1u64 << 13;
+        let radius = beam(&above(), [64, 64], n).width;
         let photon = |p: DVec3, bounced| Photon {
             position: p,
             normal: DVec3::Z,
             flux: Rgb::grey(3.0),
-            footprint: None,
+            footprint: Some(kernel(DVec3::NEG_Z, DVec3::Z, radius)),
             bounced,
         };
         let points: Vec<Photon> = (0..n)
@@ -214,7 +239,7 @@ mod tests {
                 [photon(p, false), photon(p, true)]
             })
             .collect();
-        let importance = Importance::new(&points, n, &above(), [64, 64]);
+        let importance = Importance::new(&points, n);
         for (x, y) in [(0.0, 0.0), (0.5, -0.3), (-0.71, 0.2)] {
             for (bounced, expected) in [(false, 0.75), (true, 1.5)] {
                 let found = importance.of(&photon(DVec3::new(x, y, 0.0), bounced));
@@ -274,8 +299,9 @@ mod tests {
         let sequence = Sequence::new(1, Purpose::Pilot, 0, 0);
         for i in 0..20 {
             let ray = scene.camera.ray(DVec2::new(4.0, 4.0));
+            let beam = beam(&scene.camera, scene.resolution, 64);
             let [first, second] =
-                reach(&ctx, ray, &mut sequence.at(i)).map(|p| p.expect("a surface"));
+                reach(&ctx, ray, beam, &mut sequence.at(i)).map(|p| p.expect("a surface"));
             let weight = |r: f64| (r * FRAC_1_PI).powi(2);
             assert!((first.flux[1] / weight(0.5) - 1.0).abs() < 1e-12);
             assert!((second.flux[1] / weight(0.2) - 1.0).abs() < 1e-12);

@@ -19,7 +19,8 @@ use crate::{
 use super::{
     camera_walk::{CameraTally, Gather},
     coordinates,
-    importance::{Blocks, Importance, Reached, reach},
+    importance::{Blocks, Importance, Reached, beam, reach},
+    memory::FEWEST_PHOTONS,
     schedule::REPLICATES,
 };
 
@@ -32,13 +33,19 @@ const EPOCHS: usize = 6;
 /// own: building maps, asking for importance.
 const SHARE: f64 = 0.04;
 
-/// With fewer photon paths there is nothing to learn. A pilot has no more than
-/// a pass, for which there is memory.
-const FEWEST_PATHS: u64 = 1 << 10;
+/// Photon paths of a pilot: with fewer than the first number chance would
+/// teach. It has no more than a pass, for which there is memory, or than the
+/// second number, which needs little.
+const PATHS: [u64; 2] = [1 << 12, 1 << 16];
 
 /// Camera samples of a pilot: with fewer than the first number nothing is seen
 /// well, with more than the second nothing better.
 const SAMPLES: [u64; 2] = [1 << 8, 1 << 16];
+
+/// Part of the picture's size by which a pilot looks past each of its edges:
+/// kernels of photons beyond them reach in, and where photons become sparse
+/// must lie out of sight.
+const MARGIN: f64 = 0.15;
 
 /// Photon paths that cost as much as a camera sample, roughly.
 const PATHS_PER_SAMPLE: u64 = 4;
@@ -121,6 +128,10 @@ impl Pilot<'_> {
     /// the work allowed is too little to learn from, or no photon that was
     /// traced can be seen.
     pub(super) fn teach(&self, epoch: usize, before: &Emitter) -> Option<Emitter> {
+        // A guide has cells of many paths; few paths do better evenly spread.
+        if self.photons < FEWEST_PHOTONS {
+            return None;
+        }
         let [paths, samples] = self.size(epoch)?;
         let number = FIRST_SEQUENCE + 3 * epoch as u32;
         let sequence = |k: u32| Sequence::new(self.seed, Purpose::Pilot, number + k, 0);
@@ -129,13 +140,13 @@ impl Pilot<'_> {
         let map = PhotonMap::new(&rehearsal.photons, rehearsal.paths(), self.shrink);
         let points = self.look(&map, sequence(1), sequence(2), samples);
         drop(map);
-        let importance = Importance::new(&points, samples, self.camera, self.resolution);
+        let importance = Importance::new(&points, samples);
         let lessons = rehearsal.lessons(|photon| {
             // All kernels count as equally large: with a camera that sees them
             // equally well, photons then spread evenly over what is seen.
             photon.flux.mean() * importance.of(photon).sqrt()
         });
-        before.taught(&lessons)
+        before.taught(&lessons, self.photons)
     }
 
     /// Photon paths and camera samples of an epoch's pilot.
@@ -145,10 +156,12 @@ impl Pilot<'_> {
             let n = (passes(epoch) * n as f64) as u64;
             (n >= least).then_some(n.min(most))
         };
-        // Where photons are the work, a few more looks do not count.
+        // Where photons are the work, a few more looks do not count, and where
+        // looks are the work, more photons do not.
         let looks = pixels.max(self.photons / PATHS_PER_SAMPLE);
+        let paths = pixels.max(self.photons);
         Some([
-            part(self.photons, FEWEST_PATHS, self.photons)?,
+            part(paths, PATHS[0], self.photons.max(PATHS[1]))?,
             part(looks, SAMPLES[0], SAMPLES[1])?,
         ])
     }
@@ -161,15 +174,17 @@ impl Pilot<'_> {
             map: Some(map),
             ..self.gather
         };
+        let beam = beam(self.camera, self.resolution, samples);
         let looks: Vec<(DVec2, f64, Reached)> = (0..samples)
             .into_par_iter()
             .map(|i| {
                 let stream = light.at(i);
                 let [u, v] = coordinates::film(&stream);
+                let [u, v] = [u, v].map(|x| x + MARGIN * (2.0 * x - 1.0));
                 let film = DVec2::new(u * width, v * height);
                 let ray = self.camera.ray(film);
                 let found = gather.sample(ray, &stream, &mut CameraTally::default());
-                let reached = reach(&gather.ctx, ray, &mut ways.at(i));
+                let reached = reach(&gather.ctx, ray, beam, &mut ways.at(i));
                 (film, found.total().mean(), reached)
             })
             .collect();

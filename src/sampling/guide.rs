@@ -81,6 +81,9 @@ pub struct Guided {
     /// Derivative of each coordinate by that of the even point. Their product
     /// is one over the density.
     pub stretch: [f64; GUIDE_DIMENSIONS],
+    /// How far each coordinate of the even point is from the end of the range
+    /// over which density and stretch stay the same.
+    pub room: [f64; GUIDE_DIMENSIONS],
 }
 
 impl Guided {
@@ -90,6 +93,7 @@ impl Guided {
             at,
             density: 1.0,
             stretch: [1.0; GUIDE_DIMENSIONS],
+            room: at.map(|u| u.min(1.0 - u)),
         }
     }
 }
@@ -106,14 +110,14 @@ pub struct Weighed {
 
 impl Guide {
     /// A distribution that follows the weights, over the first `dimensions`
-    /// coordinates. `None` if all weights are zero. The result depends on the
-    /// samples and their order alone.
-    pub fn learn(samples: &[Weighed], dimensions: usize) -> Option<Self> {
+    /// coordinates and with at most `cells` cells. `None` if all weights are zero.
+    /// The result depends on the samples and their order alone.
+    pub fn learn(samples: &[Weighed], dimensions: usize, cells: usize) -> Option<Self> {
         let found: Vec<Weighed> = samples.iter().filter(|s| s.weight > 0.0).copied().collect();
         if found.is_empty() {
             return None;
         }
-        let most = samples.len() / SAMPLES_PER_LEAF;
+        let most = cells.min(samples.len() / SAMPLES_PER_LEAF);
         let coarse = Self::grow(&found, dimensions, most.min(COARSE_LEAVES), 1.0);
         // The border of what matters is known as well as the coarse cells are
         // small; light just beyond it must not come as a rare bright photon.
@@ -205,6 +209,7 @@ impl Guide {
         for d in 0..GUIDE_DIMENSIONS {
             out.at[d] = (low[d] + width[d] * u[d]).min(BELOW_ONE);
             out.stretch[d] = width[d] / chance[d];
+            out.room[d] = u[d].min(1.0 - u[d]) * chance[d];
             out.density *= chance[d] / width[d];
         }
         out

@@ -89,12 +89,12 @@ impl Differential {
         &self.pairs[..self.count]
     }
 
-    /// Tells the sample from which a pair was drawn, in the unit square: its
-    /// neighbours end where the square does.
+    /// Tells how far a pair's coordinates are from the end of their range:
+    /// neighbours end there.
     #[inline]
-    pub fn bound(&mut self, pair: usize, sample: [f64; 2]) {
-        if let Some(room) = self.room.get_mut(pair) {
-            *room = sample.map(|u| u.min(1.0 - u));
+    pub fn bound(&mut self, pair: usize, room: [f64; 2]) {
+        if let Some(slot) = self.room.get_mut(pair) {
+            *slot = room;
         }
     }
 

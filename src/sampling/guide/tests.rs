@@ -33,7 +33,7 @@ fn learned(samples: u64) -> Guide {
             }
         })
         .collect();
-    Guide::learn(&samples, 4).expect("light")
+    Guide::learn(&samples, 4, 512).expect("light")
 }
 
 fn point(sequence: Sequence, i: u64) -> [f64; 4] {
@@ -220,12 +220,12 @@ fn nothing_is_made_of_chance() {
             })
             .collect()
     };
-    assert!(Guide::learn(&all(&|_| 0.0), 4).is_none());
-    assert!(Guide::learn(&[], 4).is_none());
-    let even = Guide::learn(&all(&|_| 1.0), 4).expect("light");
+    assert!(Guide::learn(&all(&|_| 0.0), 4, 512).is_none());
+    assert!(Guide::learn(&[], 4, 512).is_none());
+    let even = Guide::learn(&all(&|_| 1.0), 4, 512).expect("light");
     assert_eq!(even.leaves(), 1);
     assert_eq!(even.warp([0.25; 4]), Guided::even([0.25; 4]));
-    let one = Guide::learn(&all(&|i| f64::from(u8::from(i == 7))), 4).expect("light");
+    let one = Guide::learn(&all(&|i| f64::from(u8::from(i == 7))), 4, 512).expect("light");
     assert_eq!(one.leaves(), 1);
 }
 
