@@ -50,7 +50,7 @@ fn half_lit() -> PhotonMap {
                 position: DVec3::new(x.max(1e-6), 2.0 * y - 1.0, 0.0),
                 normal: DVec3::Z,
                 flux: Rgb::grey(2.0),
-                footprint: [None, long(0.0), long(0.8), long(1.6), long(2.4)][kind],
+                footprint: [None, Some(0.0), Some(0.8), Some(1.6), Some(2.4)][kind].map(long),
                 // A whole block of the sequence: as even as all of it.
                 bounced: i < PATHS / 4,
             }
@@ -60,12 +60,12 @@ fn half_lit() -> PhotonMap {
 }
 
 /// A kernel four times longer than wide.
-fn long(angle: f64) -> Option<Footprint> {
+fn long(angle: f64) -> Footprint {
     let (sin, cos) = angle.sin_cos();
-    Some(Footprint {
+    Footprint {
         major: DVec3::new(cos, sin, 0.0) * 0.16,
         minor: 0.04,
-    })
+    }
 }
 
 /// Mean irradiance gathered along a line beside the wall: straight from the

@@ -1,6 +1,6 @@
 //! Asking the map at a surface point, with what stands around it.
 
-use std::f64::consts::TAU;
+use std::{cell::OnceCell, f64::consts::TAU};
 
 use glam::DVec3;
 
@@ -63,28 +63,27 @@ pub fn gather(
     let world = &ctx.scene.world;
     let own = at.point.surface.instance;
     let farthest = query.farthest();
-    let (walls, clear) = world.neighbours(at.point.p, farthest, |i| {
-        i != own && is_wall(&ctx.scene.objects[i as usize].material)
-    });
-    if walls.is_empty() {
-        return map.irradiance(&query, |_, _| 1.0);
-    }
-    let horizon = std::cell::OnceCell::new();
+    let is_other_wall = |i: u32| i != own && is_wall(&ctx.scene.objects[i as usize].material);
+    // Most points have no photon near, and most photons no wall.
+    let surroundings = OnceCell::new();
+    let horizon = OnceCell::new();
     map.irradiance(&query, |offset, ellipse| {
+        let (walls, clear) =
+            surroundings.get_or_init(|| world.neighbours(at.point.p, farthest, is_other_wall));
         // Where no part of the kernel comes to a wall, nothing is to be done.
-        if ellipse.major <= clear {
+        if walls.is_empty() || ellipse.major <= *clear {
             return 1.0;
         }
         // With room for the photon's rounded place.
         let near = 4.0 * offset.length_squared() <= clear * clear;
         let seen = near || {
             let way = at.point.spawn_towards(at.point.p + offset);
-            way.is_none_or(|(ray, distance)| !world.occluded_by(&walls, &ray, distance))
+            way.is_none_or(|(ray, distance)| !world.occluded_by(walls, &ray, distance))
         };
         if !seen {
             return 0.0;
         }
-        let horizon = horizon.get_or_init(|| Horizon::around(ctx, at, &walls, farthest, u));
+        let horizon = horizon.get_or_init(|| Horizon::around(ctx, at, walls, farthest, u));
         1.0 / horizon.share(ellipse)
     })
 }
@@ -102,23 +101,29 @@ fn is_wall(material: &Material) -> bool {
 struct Horizon {
     /// Unit directions and the free way along each, in metres.
     free: [(DVec3, f64); DIRECTIONS],
+    /// The shortest of these.
+    nearest: f64,
 }
 
 impl Horizon {
     fn around(ctx: &Context<'_>, at: &DiffusePoint, walls: &[u32], farthest: f64, u: f64) -> Self {
         let frame = Frame::around(at.ng);
-        let free = std::array::from_fn(|i| {
+        let free: [(DVec3, f64); DIRECTIONS] = std::array::from_fn(|i| {
             let (sin, cos) = trig::sin_cos(TAU * (i as f64 + u) / DIRECTIONS as f64);
             let dir = (frame.s * cos + frame.t * sin).normalize();
             let ray = at.point.spawn(dir);
             let met = ctx.scene.world.closest_of(walls, &ray, farthest);
             (dir, met.unwrap_or(f64::INFINITY))
         });
-        Self { free }
+        let nearest = free.iter().fold(f64::INFINITY, |least, f| least.min(f.1));
+        Self { free, nearest }
     }
 
     /// The share of a kernel around the point that walls leave, above 0.
     fn share(&self, ellipse: &Ellipse) -> f64 {
+        if ellipse.major <= self.nearest {
+            return 1.0;
+        }
         let (a2, b2) = (ellipse.major * ellipse.major, ellipse.minor * ellipse.minor);
         let (mut left, mut all) = (0.0, 0.0);
         for &(dir, free) in &self.free {

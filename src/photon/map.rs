@@ -52,7 +52,8 @@ pub struct Query {
 impl Query {
     /// No kernel that reaches the point is longer than this, in metres.
     pub fn farthest(&self) -> f64 {
-        self.most.max(self.most_bounced).max(self.blind)
+        let most = if self.caustics { self.most } else { 0.0 };
+        most.max(self.most_bounced).max(self.blind)
     }
 }
 

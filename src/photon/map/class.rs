@@ -37,7 +37,7 @@ const MOST_SPANS: u32 = 15;
 const SPAN: f64 = 1.5;
 
 /// Classes with fewer spans are joined with the next wider one.
-const FEWEST_SPANS: usize = 64;
+const FEWEST_SPANS: usize = 1024;
 
 /// Bytes that a photon takes here, with a few spans in the tree.
 pub(super) const BYTES_PER_PHOTON: u64 = size_of::<Stored>() as u64 + 4 * 36;
