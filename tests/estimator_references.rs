@@ -18,7 +18,9 @@ use exact::{CASES, Case, Optics, Reference};
 use nephroid::{
     film::{Image, Layer},
     metrics::{mean_ratio, relmse},
+    photon::shoot,
     render::REPLICATES,
+    sampling::{Purpose, Sequence},
 };
 use photons::Random;
 
@@ -40,12 +42,16 @@ fn count(case: &Case) -> Counted {
     let mut scene = scene(&case.text());
     scene.settings.photons = Some(PHOTONS);
     let renderer = renderer(&scene);
+    let ctx = renderer.context();
+    // Photons that no guide draws to the picture: the most even ones.
+    let emitter = renderer.emitter().expect("a caster");
     let pixels = (case.window.pixels * case.window.pixels) as usize;
     let per_area = case.window.per_metre() * case.window.per_metre() / PHOTONS as f64;
     let (mut sum, mut squares) = (0.0, 0.0);
     let replicates = (0..REPLICATES).map(|replicate| {
         let mut irradiance = vec![0.0; pixels];
-        for photon in renderer.shoot(0, replicate).photons {
+        let sequence = Sequence::new(scene.settings.seed, Purpose::Photon, replicate, 0);
+        for photon in shoot(&ctx, emitter, sequence, 0, PHOTONS).photons {
             if let Some(pixel) = case.window.pixel(photon.position.x, photon.position.y) {
                 let flux = photon.flux[1] * per_area;
                 irradiance[pixel] += flux;
