@@ -87,6 +87,21 @@ impl PhotonMap {
     /// factor on all footprints, 1 in the first round. Photons that are not
     /// finite are refused and counted.
     pub fn new(photons: &[Photon], emitted: u64, shrink: f64) -> Self {
+        Self::build(photons, emitted, shrink, Class::of_cut)
+    }
+
+    /// The same for queries that do not cut the kernels of light which was
+    /// reflected after it was a caustic.
+    pub fn with_whole_kernels(photons: &[Photon], emitted: u64) -> Self {
+        Self::build(photons, emitted, 1.0, Class::sort)
+    }
+
+    fn build(
+        photons: &[Photon],
+        emitted: u64,
+        shrink: f64,
+        of_bounced: fn(&[&Photon], DMat3, f64) -> Vec<Class>,
+    ) -> Self {
         let rotation = order::off_axis();
         let mut kept: Vec<&Photon> = photons
             .iter()
@@ -96,8 +111,8 @@ impl PhotonMap {
         order::sort_along_curve(&mut kept, center);
         let (bounced, caustics): (Vec<&Photon>, Vec<&Photon>) =
             kept.iter().partition(|p| p.bounced);
-        let [caustics, bounced] =
-            [caustics, bounced].map(|photons| Class::sort(&photons, rotation, shrink));
+        let caustics = Class::sort(&caustics, rotation, shrink);
+        let bounced = of_bounced(&bounced, rotation, shrink);
         Self {
             caustics,
             bounced,

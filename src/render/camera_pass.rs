@@ -23,7 +23,7 @@ use super::{
 };
 
 /// Places at which the pilot looks at a pixel's neighbours.
-const PILOT_PLACES: u64 = 128;
+const PILOT_PLACES: u64 = 96;
 
 /// A rectangle of pixels.
 #[derive(Clone, Copy)]

@@ -48,7 +48,7 @@ const MOST_BOUNCED: f64 = 2.0;
 /// Growth of a path's footprint after a diffuse bounce, in metres per metre:
 /// the bounce averages over a wide cone, so the photons' light seen there may
 /// be blurred over a small part of it.
-const DIFFUSE_SPREAD: f64 = 0.01;
+const DIFFUSE_SPREAD: f64 = 0.003;
 
 /// Bounces between diffuse surfaces before the roulette may end a path.
 const SURE_BOUNCES: u32 = 2;

@@ -171,7 +171,7 @@ impl Importance {
     pub(super) fn new(points: &[Photon], samples: u64) -> Self {
         let lengths = points.iter().filter_map(|p| p.footprint);
         Self {
-            map: PhotonMap::new(points, samples, 1.0),
+            map: PhotonMap::with_whole_kernels(points, samples),
             longest: lengths
                 .map(|f| f.major.length())
                 .filter(|length| length.is_finite())

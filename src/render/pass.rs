@@ -21,16 +21,18 @@ use super::{
     share::{Probe, Survey},
 };
 
-/// Most photon paths that the program chooses.
+/// Most photon paths that the program chooses, and fewest pixels to each: more
+/// passes with fewer photons serve as well and see more of the camera's side.
 const MOST_PHOTONS: u64 = 1 << 23;
+const PIXELS_PER_PHOTON: u64 = 2;
 
 /// Kernel scale of the first round, in pixel footprints, at which photons have
 /// kernels of their own footprint's size.
 const NATURAL_SCALE: f64 = 2.0;
 
 /// Photon paths of each of the pilot's two sets, and pixels it looks at.
-pub(super) const PILOT_PHOTONS: u64 = 1 << 14;
-const PILOT_PIXELS: u64 = 1 << 11;
+pub(super) const PILOT_PHOTONS: u64 = 1 << 12;
+const PILOT_PIXELS: u64 = 1 << 10;
 
 /// Everything that passes of one render share.
 pub struct Renderer<'a> {
@@ -215,8 +217,11 @@ impl<'a> Renderer<'a> {
     fn photon_paths(&self) -> u64 {
         let wanted = self.settings.photons.unwrap_or_else(|| {
             self.emitter().map_or(FEWEST_PHOTONS, |emitter| {
-                self.survey(emitter)
-                    .best_paths(FEWEST_PHOTONS, MOST_PHOTONS)
+                let pixels = u64::from(self.resolution[0]) * u64::from(self.resolution[1]);
+                let most = (pixels / PIXELS_PER_PHOTON)
+                    .next_power_of_two()
+                    .clamp(FEWEST_PHOTONS, MOST_PHOTONS);
+                self.survey(emitter).best_paths(FEWEST_PHOTONS, most)
             })
         });
         // A job that was checked has room for a few; one that was not gets them.

@@ -156,12 +156,10 @@ impl Pilot<'_> {
             let n = (passes(epoch) * n as f64) as u64;
             (n >= least).then_some(n.min(most))
         };
-        // Where photons are the work, a few more looks do not count, and where
-        // looks are the work, more photons do not.
+        // Where photons are the work, a few more looks do not count.
         let looks = pixels.max(self.photons / PATHS_PER_SAMPLE);
-        let paths = pixels.max(self.photons);
         Some([
-            part(paths, PATHS[0], self.photons.max(PATHS[1]))?,
+            part(self.photons, PATHS[0], self.photons.max(PATHS[1]))?,
             part(looks, SAMPLES[0], SAMPLES[1])?,
         ])
     }

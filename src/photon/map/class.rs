@@ -36,8 +36,11 @@ const MOST_SPANS: u32 = 15;
 /// Half-length of a span over the minor semi-axis, about.
 const SPAN: f64 = 1.5;
 
-/// Classes with fewer spans are joined with the next wider one.
-const FEWEST_SPANS: usize = 1024;
+/// Classes with fewer photons, or a smaller part of all, are joined with the
+/// next wider one: every tree that a query has to enter costs as much as a few
+/// dozen candidates.
+const FEWEST: usize = 1024;
+const SMALLEST_PART: usize = 8;
 
 /// Bytes that a photon takes here, with a few spans in the tree.
 pub(super) const BYTES_PER_PHOTON: u64 = size_of::<Stored>() as u64 + 4 * 36;
@@ -99,6 +102,8 @@ pub(super) struct Class {
     /// No photon's kernel reaches further from the nearest of its spans; 0 for
     /// photons without a footprint.
     reach: f32,
+    /// Squared reach over that of the largest kernels asked for, at most.
+    spread: f32,
     /// The box around all spans.
     low: Vec3,
     high: Vec3,
@@ -112,30 +117,47 @@ impl Class {
         let mut by_size: Vec<(i32, Vec<&Photon>)> = Vec::new();
         for photon in photons {
             let key = photon.footprint.map_or(i32::MIN, |f| {
-                exponent(reach(f.major.length() * shrink, f.minor * shrink))
+                exponent(reach(
+                    f.major.length() * shrink,
+                    f.minor * shrink,
+                    MOST_SPANS,
+                ))
             });
             match by_size.binary_search_by_key(&key, |c| c.0) {
                 Ok(i) => by_size[i].1.push(photon),
                 Err(i) => by_size.insert(i, (key, vec![photon])),
             }
         }
+        let fewest = FEWEST.max(photons.len() / SMALLEST_PART);
         let mut classes = Vec::new();
         let mut few: Vec<&Photon> = Vec::new();
         let last = by_size.len().saturating_sub(1);
         for (i, (key, mut members)) in by_size.into_iter().enumerate() {
             if key > i32::MIN {
                 members.append(&mut few);
-                if members.len() < FEWEST_SPANS && i < last {
+                if members.len() < fewest && i < last {
                     few = members;
                     continue;
                 }
             }
-            classes.extend(Self::new(&members, rotation, shrink));
+            classes.extend(Self::new(&members, rotation, shrink, MOST_SPANS));
         }
         classes
     }
 
-    fn new(photons: &[&Photon], rotation: DMat3, shrink: f64) -> Option<Self> {
+    /// All photons in one class, for kernels that queries will cut to a size
+    /// below most of theirs: classes would be searched equally far.
+    pub(super) fn of_cut(photons: &[&Photon], rotation: DMat3, shrink: f64) -> Vec<Self> {
+        let (sized, blind): (Vec<&Photon>, Vec<&Photon>) =
+            photons.iter().partition(|p| p.footprint.is_some());
+        [blind, sized]
+            .iter()
+            .filter(|members| !members.is_empty())
+            .filter_map(|members| Self::new(members, rotation, shrink, 1))
+            .collect()
+    }
+
+    fn new(photons: &[&Photon], rotation: DMat3, shrink: f64, most_spans: u32) -> Option<Self> {
         let center = rotation * order::median(photons);
         let mut stored = Vec::with_capacity(photons.len());
         let mut spans = Vec::with_capacity(photons.len());
@@ -148,8 +170,8 @@ impl Class {
                 let axis = f.major.try_normalize().unwrap_or(DVec3::X);
                 (rotation * axis, f.major.length() * shrink, f.minor * shrink)
             });
-            farthest = farthest.max(reach(length, minor));
-            let spans_of_it = span_count(length, minor);
+            farthest = farthest.max(reach(length, minor, most_spans));
+            let spans_of_it = span_count(length, minor, most_spans);
             for i in 0..spans_of_it {
                 let along = length * (f64::from(2 * i + 1) / f64::from(spans_of_it) - 1.0);
                 spans.push(Span {
@@ -186,6 +208,8 @@ impl Class {
             center,
             // Rounded up, with the rounding of the spans' places.
             reach: (farthest * (1.0 + 1e-6)) as f32,
+            // The middle span and its neighbours, or only the one.
+            spread: if most_spans > 1 { 2.0 } else { 1.0 },
             low,
             high,
         })
@@ -204,10 +228,9 @@ impl Class {
         let squared = if self.reach == 0.0 {
             search.blind * search.blind
         } else {
-            // Widened kernels are rounder, not longer; one that is cut to the
-            // largest size reaches only its middle span and its neighbours.
+            // Widened kernels are rounder, not longer.
             (self.reach * self.reach + search.least * search.least)
-                .min(2.0 * search.most * search.most)
+                .min(self.spread * search.most * search.most)
         };
         let outside = query - query.clamp(self.low, self.high);
         // Also where something is not a number.
@@ -291,16 +314,16 @@ impl Stored {
 }
 
 /// The number of spans of an ellipse: odd.
-fn span_count(major: f64, minor: f64) -> u32 {
+fn span_count(major: f64, minor: f64, most: u32) -> u32 {
     // One span for any ellipse that is not a few times longer than wide;
     // `as` saturates.
     let halves = (0.5 * major / (SPAN * minor)) as u32;
-    2 * halves.min(MOST_SPANS / 2) + 1
+    2 * halves.min(most / 2) + 1
 }
 
 /// How far a kernel reaches from the nearest of its spans.
-fn reach(major: f64, minor: f64) -> f64 {
-    let count = span_count(major, minor);
+fn reach(major: f64, minor: f64, most_spans: u32) -> f64 {
+    let count = span_count(major, minor, most_spans);
     if count == 1 {
         return major;
     }
