@@ -50,7 +50,7 @@ fn mirrored_furnace() {
              (shape: Disc(center: (0, 0, 0), normal: (0, 0, 1), radius: 1.1), material: \"mirror\")"
         ),
         &format!("Point(position: (0, 0, {height}), power: 20)"),
-        "photons: 65536",
+        "photons: 16384",
     );
     let from = |z: f64| {
         let to = DVec3::new(0.0, 0.0, z) - place;
