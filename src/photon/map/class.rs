@@ -42,7 +42,8 @@ const SPAN: f64 = 1.5;
 const FEWEST: usize = 1024;
 const SMALLEST_PART: usize = 8;
 
-/// Bytes that a photon takes here, with a few spans in the tree.
+/// Bytes that a photon takes here, with four spans in the tree; long ellipses
+/// have more.
 pub(super) const BYTES_PER_PHOTON: u64 = size_of::<Stored>() as u64 + 4 * 36;
 
 /// A photon at rest, 56 bytes.
