@@ -31,8 +31,8 @@ const BY_POWER: f64 = 0.1;
 /// to gain, the evenness of paths that nobody guided is worth more.
 const WORTH_IT: f64 = 2.0;
 
-/// Paths of a pass for each cell of a guide: a photon's kernel ends where its
-/// cell does, and where that cut most kernels, light would be uneven.
+/// Paths of a pass for each cell of a guide: kernels change their size from
+/// cell to cell, and most of them should lie within one.
 const PATHS_PER_CELL: f64 = 64.0;
 
 /// Paths in a chunk of a rehearsal; the result does not depend on it.

@@ -81,8 +81,8 @@ pub struct Guided {
     /// Derivative of each coordinate by that of the even point. Their product
     /// is one over the density.
     pub stretch: [f64; GUIDE_DIMENSIONS],
-    /// How far each coordinate of the even point is from the end of the range
-    /// over which density and stretch stay the same.
+    /// How far each coordinate of the point is from the end of the cube, in
+    /// coordinates of the even point as they are stretched here.
     pub room: [f64; GUIDE_DIMENSIONS],
 }
 
@@ -209,7 +209,7 @@ impl Guide {
         for d in 0..GUIDE_DIMENSIONS {
             out.at[d] = (low[d] + width[d] * u[d]).min(BELOW_ONE);
             out.stretch[d] = width[d] / chance[d];
-            out.room[d] = u[d].min(1.0 - u[d]) * chance[d];
+            out.room[d] = out.at[d].min(1.0 - out.at[d]) / out.stretch[d];
             out.density *= chance[d] / width[d];
         }
         out
