@@ -59,7 +59,7 @@ impl Start {
             .differential
             .pairs_mut()
             .iter_mut()
-            .zip(guided.stretch.chunks_exact(2))
+            .zip(guided.blurred.chunks_exact(2))
         {
             for (k, by) in by.iter().enumerate() {
                 pair.dp[k] *= *by;

@@ -10,7 +10,7 @@ use crate::{
     transport::{Context, DiffusePoint},
 };
 
-use super::{Ellipse, Gathered, PhotonMap, Query};
+use super::{Ellipse, Gathered, Query, Vicinity};
 
 /// Directions in which walls around a gather point are looked for.
 const DIRECTIONS: usize = 32;
@@ -32,6 +32,8 @@ pub struct Kernels {
     pub blind: f64,
     /// Whether caustics are asked for, or only such reflected light.
     pub caustics: bool,
+    /// Distance to the next gather points; 0 where none is near.
+    pub spacing: f64,
 }
 
 /// Irradiance at a diffuse point by the photons whose kernels reach it, those
@@ -43,7 +45,7 @@ pub struct Kernels {
 /// near.
 pub fn gather(
     ctx: &Context<'_>,
-    map: &PhotonMap,
+    vicinity: &mut Vicinity<'_>,
     at: &DiffusePoint,
     kernels: &Kernels,
     u: f64,
@@ -56,8 +58,9 @@ pub fn gather(
         most_bounced: kernels.most_bounced,
         blind: kernels.blind,
         caustics: kernels.caustics,
+        spacing: kernels.spacing,
     };
-    if map.is_empty() {
+    if vicinity.map().is_empty() {
         return Gathered::default();
     }
     let world = &ctx.scene.world;
@@ -67,13 +70,18 @@ pub fn gather(
     // Most points have no photon near, and most photons no wall.
     let surroundings = OnceCell::new();
     let horizon = OnceCell::new();
-    map.irradiance(&query, |offset, ellipse| {
-        let (walls, clear) =
-            surroundings.get_or_init(|| world.neighbours(at.point.p, farthest, is_other_wall));
-        // Where no part of the kernel comes to a wall, nothing is to be done.
-        if walls.is_empty() || ellipse.major <= *clear {
-            return 1.0;
+    let walls =
+        || surroundings.get_or_init(|| world.neighbours(at.point.p, farthest, is_other_wall));
+    let clear = || {
+        let (walls, clear) = walls();
+        if walls.is_empty() {
+            f64::INFINITY
+        } else {
+            *clear
         }
+    };
+    vicinity.irradiance(&query, clear, |offset, ellipse| {
+        let (walls, clear) = walls();
         // With room for the photon's rounded place.
         let near = 4.0 * offset.length_squared() <= clear * clear;
         let seen = near || {

@@ -9,13 +9,15 @@
 //! caustic is kept apart from caustics. The answer depends on the photons
 //! alone, not on threads.
 
+mod block;
 mod class;
 mod normal;
 mod order;
 #[cfg(test)]
 mod tests;
+mod vicinity;
 
-use glam::{DMat3, DVec3, Vec3};
+use glam::{DMat3, DVec3};
 
 use crate::spectrum::Rgb;
 
@@ -23,6 +25,7 @@ use super::Photon;
 
 pub use class::Ellipse;
 use class::{Class, Search};
+pub use vicinity::Vicinity;
 
 /// Memory that a stored photon needs while its pass is built, in bytes: the
 /// traced record (twice, while chunks are joined), references to it, and what
@@ -47,6 +50,8 @@ pub struct Query {
     pub blind: f64,
     /// Whether caustics are asked for, or only such reflected light.
     pub caustics: bool,
+    /// Distance to the next queries, metres; 0 where none is near.
+    pub spacing: f64,
 }
 
 impl Query {
@@ -54,6 +59,20 @@ impl Query {
     pub fn farthest(&self) -> f64 {
         let most = if self.caustics { self.most } else { 0.0 };
         most.max(self.most_bounced).max(self.blind)
+    }
+}
+
+impl Query {
+    /// What every class is asked for caustics and for reflected light, in the
+    /// frame of the map.
+    fn searches(&self, rotation: DMat3) -> [Search; 2] {
+        let normal = (rotation * self.n).as_vec3();
+        [self.most, self.most_bounced].map(|most| Search {
+            normal,
+            least: self.least.min(most) as f32,
+            most: most as f32,
+            blind: self.blind as f32,
+        })
     }
 }
 
@@ -66,8 +85,10 @@ pub struct Gathered {
     /// Irradiance in W/m2 by light of which a diffuse surface had made such a
     /// caustic before it reflected it here.
     pub bounced: Rgb,
-    /// Candidates looked at: the work done.
+    /// Candidates that trees offered: the work of searching.
     pub visited: u32,
+    /// Kernels evaluated.
+    pub tested: u32,
     /// Photons whose kernels reached the point.
     pub accepted: u32,
 }
@@ -142,60 +163,13 @@ impl PhotonMap {
         self.refused
     }
 
-    /// Irradiance in W/m2 at a point, by Epanechnikov kernels
-    /// `2/pi (1 - q) / (a b)`, where `a`, `b` are the semi-axes of the photon's
-    /// ellipse and `q < 1` the squared distance in units of them. `weigh` is
-    /// given the offset of each such photon and its ellipse and answers with a
-    /// factor: 0 where a wall stands between.
+    /// Irradiance in W/m2 at a single point; see [`Vicinity::irradiance`].
     pub fn irradiance(&self, query: &Query, weigh: impl Fn(DVec3, &Ellipse) -> f64) -> Gathered {
-        let mut gathered = Gathered::default();
-        let finite = query.p.is_finite() && query.n.is_finite();
-        if !(finite && query.least >= 0.0 && query.most > 0.0 && query.blind >= 0.0) {
-            return gathered;
-        }
-        let search = |most: f64| Search {
-            normal: (self.rotation * query.n).as_vec3(),
-            code: normal::encode((self.rotation * query.n).as_vec3()),
-            least: query.least.min(most) as f32,
-            most: most as f32,
-            blind: query.blind as f32,
-        };
-        let back = self.rotation.transpose();
-        let weigh = |offset: Vec3, ellipse: &Ellipse| {
-            let axis = back * ellipse.axis;
-            weigh(back * offset.as_dvec3(), &Ellipse { axis, ..*ellipse })
-        };
-        let turned = self.rotation * query.p;
-        if query.caustics {
-            gathered.irradiance = Self::sum(
-                &self.caustics,
-                turned,
-                &search(query.most),
-                &weigh,
-                &mut gathered,
-            ) * self.per_path;
-        }
-        gathered.bounced = Self::sum(
-            &self.bounced,
-            turned,
-            &search(query.most_bounced),
-            &weigh,
-            &mut gathered,
-        ) * self.per_path;
-        gathered
+        Vicinity::new(self).irradiance(query, || 0.0, weigh)
     }
 
-    fn sum(
-        classes: &[Class],
-        p: DVec3,
-        search: &Search,
-        weigh: &impl Fn(Vec3, &Ellipse) -> f64,
-        gathered: &mut Gathered,
-    ) -> Rgb {
-        let mut sum = [0.0; 3];
-        for class in classes {
-            class.visit(p, search, weigh, &mut sum, gathered);
-        }
-        Rgb(sum)
+    /// All classes, those of caustics first.
+    fn classes(&self) -> impl Iterator<Item = &Class> {
+        self.caustics.iter().chain(&self.bounced)
     }
 }

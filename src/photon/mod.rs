@@ -26,7 +26,7 @@ pub use emit::{Emission, Emitter};
 pub use footprint::Footprint;
 pub use gather::{Kernels, gather};
 pub use guide::{Lesson, Origin, Rehearsal};
-pub use map::{BYTES_PER_PHOTON, Ellipse, Gathered, PhotonMap, Query};
+pub use map::{BYTES_PER_PHOTON, Ellipse, Gathered, PhotonMap, Query, Vicinity};
 pub use shoot::{Shot, shoot};
 pub use tally::{LightTally, Tally};
 pub use trace::{PHOTONS_PER_PATH, Photon, trace};

@@ -25,6 +25,9 @@ use super::{
 /// Places at which the pilot looks at a pixel's neighbours.
 const PILOT_PLACES: u64 = 96;
 
+/// Pixels along a tile, whose pixels are sampled one after the other.
+const TILE: u32 = 8;
+
 /// A rectangle of pixels.
 #[derive(Clone, Copy)]
 struct Window {
@@ -50,25 +53,36 @@ impl Window {
         (y - self.y) as usize * self.width as usize + (x - self.x) as usize
     }
 
-    /// What `pixel` makes of every pixel, row by row, rows in parallel.
-    fn map<T: Send>(
+    /// What `pixel` makes of every pixel, given by rows. Bands of tiles are
+    /// worked on in parallel; `of_band` makes what the pixels of one share.
+    fn map<T: Copy + Default + Send, B>(
         self,
-        pixel: impl Fn(u32, u32, &mut CameraTally) -> T + Sync,
+        of_band: impl Fn() -> B + Sync,
+        pixel: impl Fn(u32, u32, &mut B, &mut CameraTally) -> T + Sync,
     ) -> (Vec<T>, CameraTally) {
-        let rows: Vec<(Vec<T>, CameraTally)> = (self.y..self.y + self.height)
-            .into_par_iter()
-            .map(|y| {
-                let mut tally = CameraTally::default();
-                let columns = self.x..self.x + self.width;
-                (columns.map(|x| pixel(x, y, &mut tally)).collect(), tally)
+        let row = self.width as usize;
+        let mut all = vec![T::default(); row * self.height as usize];
+        let tally = all
+            .par_chunks_mut((row * TILE as usize).max(1))
+            .enumerate()
+            .map(|(band, pixels)| {
+                let (mut tally, mut shared) = (CameraTally::default(), of_band());
+                let top = band as u32 * TILE;
+                let height = (pixels.len() / row) as u32;
+                for left in (0..self.width).step_by(TILE as usize) {
+                    let width = TILE.min(self.width - left);
+                    for [x, y] in from_the_middle(width, height) {
+                        let [px, py] = [self.x + left + x, self.y + top + y];
+                        pixels[y as usize * row + (left + x) as usize] =
+                            pixel(px, py, &mut shared, &mut tally);
+                    }
+                }
+                tally
             })
-            .collect();
-        let mut tally = CameraTally::default();
-        let mut all = Vec::with_capacity(self.width as usize * self.height as usize);
-        for (row, t) in rows {
-            all.extend(row);
-            tally += t;
-        }
+            .reduce(CameraTally::default, |mut a, b| {
+                a += b;
+                a
+            });
         (all, tally)
     }
 
@@ -89,6 +103,17 @@ impl Window {
         }
         (found, count)
     }
+}
+
+/// The pixels of a tile, the one in the middle first: what is searched for it
+/// lies around all of them.
+fn from_the_middle(width: u32, height: u32) -> impl Iterator<Item = [u32; 2]> {
+    let count = width * height;
+    let middle = height / 2 * width + width / 2;
+    (0..count).map(move |i| {
+        let i = (i + middle) % count;
+        [i % width, i / width]
+    })
 }
 
 const MOST_NEIGHBOURS: usize = ((2 * REACH + 1) * (2 * REACH + 1) - 1) as usize;
@@ -125,12 +150,15 @@ impl Renderer<'_> {
             return vec![false; window.width as usize * window.height as usize];
         };
         let gather = self.gatherer(None, 0);
-        let (found, _) = window.map(|px, py, _| {
-            (0..glints::PILOT_RAYS).any(|j| {
-                let stream = glints::pilot_stream(self.settings.seed, self.item(px, py), j);
-                gather.passes_near(&glints, self.ray(px, py, &stream), &stream)
-            })
-        });
+        let (found, _) = window.map(
+            || (),
+            |px, py, (), _| {
+                (0..glints::PILOT_RAYS).any(|j| {
+                    let stream = glints::pilot_stream(self.settings.seed, self.item(px, py), j);
+                    gather.passes_near(&glints, self.ray(px, py, &stream), &stream)
+                })
+            },
+        );
         found
     }
 
@@ -156,12 +184,13 @@ impl Renderer<'_> {
                     height: 1,
                 };
                 let around = place.grown(self.resolution);
-                let mut tally = CameraTally::default();
+                let (mut tally, mut near) = (CameraTally::default(), gather.vicinity());
                 let mut radiances = Vec::with_capacity(MOST_NEIGHBOURS + 1);
                 for y in around.y..around.y + around.height {
                     for x in around.x..around.x + around.width {
                         let stream = Sequence::new(seed, Purpose::Pilot, 8, self.item(x, y)).at(i);
-                        let sample = gather.sample(self.ray(x, y, &stream), &stream, &mut tally);
+                        let ray = self.ray(x, y, &stream);
+                        let sample = gather.sample(ray, &stream, &mut near, &mut tally);
                         radiances.push(sample.total().mean());
                     }
                 }
@@ -192,45 +221,52 @@ impl Renderer<'_> {
         replicate: u32,
     ) -> (Vec<PixelSample>, CameraTally) {
         let whole = self.window().grown(self.resolution);
-        let (first, mut tally) = whole.map(|px, py, tally| {
-            let sequence = Sequence::new(
-                self.settings.seed,
-                Purpose::Camera,
-                replicate,
-                self.item(px, py),
-            );
-            let stream = sequence.at_own_order(u64::from(round));
-            gather.sample(self.ray(px, py, &stream), &stream, tally)
-        });
+        let (first, mut tally) = whole.map(
+            || gather.vicinity(),
+            |px, py, near, tally| {
+                let sequence = Sequence::new(
+                    self.settings.seed,
+                    Purpose::Camera,
+                    replicate,
+                    self.item(px, py),
+                );
+                let stream = sequence.at_own_order(u64::from(round));
+                gather.sample(self.ray(px, py, &stream), &stream, near, tally)
+            },
+        );
         let radiance: Vec<f64> = first.iter().map(|s| s.total().mean()).collect();
-        let (samples, further) = self.window().map(|px, py, tally| {
-            let (neighbours, count) = whole.neighbours(&radiance, px, py);
-            let n = self.refinement.further(&neighbours[..count]);
-            let i = whole.index(px, py);
-            let mut sample = first[i];
-            if n > 0 {
-                // Every number of samples has a sequence of its own, of which
-                // each round takes the next part.
-                let item = self.item(px, py) | u64::from(n) << 48;
-                let sequence =
-                    Sequence::new(self.settings.seed, Purpose::Refinement, replicate, item);
-                for j in 0..n {
-                    let index = u64::from(round) * u64::from(n) + u64::from(j);
-                    let stream = sequence.at_own_order(index);
-                    let more = gather.sample(self.ray(px, py, &stream), &stream, tally);
-                    for (a, b) in sample.layers.iter_mut().zip(more.layers) {
-                        *a += b;
+        let (samples, further) = self.window().map(
+            || gather.vicinity(),
+            |px, py, near, tally| {
+                let (neighbours, count) = whole.neighbours(&radiance, px, py);
+                let n = self.refinement.further(&neighbours[..count]);
+                let i = whole.index(px, py);
+                let mut sample = first[i];
+                if n > 0 {
+                    // Every number of samples has a sequence of its own, of which
+                    // each round takes the next part.
+                    let item = self.item(px, py) | u64::from(n) << 48;
+                    let sequence =
+                        Sequence::new(self.settings.seed, Purpose::Refinement, replicate, item);
+                    for j in 0..n {
+                        let index = u64::from(round) * u64::from(n) + u64::from(j);
+                        let stream = sequence.at_own_order(index);
+                        let more = gather.sample(self.ray(px, py, &stream), &stream, near, tally);
+                        for (a, b) in sample.layers.iter_mut().zip(more.layers) {
+                            *a += b;
+                        }
+                    }
+                    for layer in &mut sample.layers {
+                        *layer = *layer / f64::from(n + 1);
                     }
                 }
-                for layer in &mut sample.layers {
-                    *layer = *layer / f64::from(n + 1);
+                if self.glinting[i] {
+                    sample[Layer::Emission] =
+                        self.glints(gather, round, replicate, [px, py], tally);
                 }
-            }
-            if self.glinting[i] {
-                sample[Layer::Emission] = self.glints(gather, round, replicate, [px, py], tally);
-            }
-            sample
-        });
+                sample
+            },
+        );
         tally += further;
         (samples, tally)
     }

@@ -10,7 +10,7 @@ use crate::{
     geometry::Ray,
     material::Material,
     numeric::Frame,
-    photon::{Kernels, PhotonMap, gather},
+    photon::{Kernels, PhotonMap, Vicinity, gather},
     sampling::{Stream, warp},
     spectrum::Rgb,
     transport::{Context, DiffusePoint, End, Walker, direct_light},
@@ -72,6 +72,7 @@ pub(super) struct CameraTally {
     pub(super) truncated: u64,
     pub(super) queries: u64,
     pub(super) visited: u64,
+    pub(super) tested: u64,
     pub(super) accepted: u64,
 }
 
@@ -93,13 +94,25 @@ impl AddAssign for CameraTally {
         self.truncated += o.truncated;
         self.queries += o.queries;
         self.visited += o.visited;
+        self.tested += o.tested;
         self.accepted += o.accepted;
     }
 }
 
-impl Gather<'_> {
+impl<'a> Gather<'a> {
+    /// Asks the photons for samples that follow each other closely.
+    pub(super) fn vicinity(&self) -> Option<Vicinity<'a>> {
+        self.map.map(Vicinity::new)
+    }
+
     /// Light through a film position, by layer.
-    pub(super) fn sample(&self, ray: Ray, stream: &Stream, tally: &mut CameraTally) -> PixelSample {
+    pub(super) fn sample(
+        &self,
+        ray: Ray,
+        stream: &Stream,
+        vicinity: &mut Option<Vicinity<'_>>,
+        tally: &mut CameraTally,
+    ) -> PixelSample {
         let mut sample = PixelSample::default();
         let mut ends = 0;
         let coins = coordinates::coins(stream);
@@ -116,7 +129,7 @@ impl Gather<'_> {
                     material: Material::Diffuse { reflectance },
                 } => {
                     let at = DiffusePoint::new(*point, walker.ray.dir, *reflectance);
-                    self.shade(walker, &at, stream, ends, &mut sample, tally);
+                    self.shade(walker, &at, stream, ends, &mut sample, vicinity, tally);
                     ends += 1;
                 }
                 End::Escaped | End::Surface { .. } => {
@@ -189,12 +202,13 @@ impl Gather<'_> {
         stream: &Stream,
         k: u32,
         sample: &mut PixelSample,
+        vicinity: &mut Option<Vicinity<'_>>,
         tally: &mut CameraTally,
     ) {
         let mut here = coordinates::shading(stream, k);
         let (bounce, goes_on) = (here.next_2d(), here.next_1d());
         let width = self.footprint.width + self.footprint.spread * walker.length;
-        let [caustic, bounced] = self.gathered(at, width, true, &mut here, tally);
+        let [caustic, bounced] = self.gathered(at, width, true, &mut here, vicinity, tally);
         sample[Layer::Caustic] += walker.throughput * caustic;
         let [least, most] = SHADOW_RAYS;
         let rays = self.ctx.scene.lights.len().clamp(least, most) as f64;
@@ -214,22 +228,25 @@ impl Gather<'_> {
                 ..*walker
             };
             let mut beyond = coordinates::path(stream, k);
-            sample[Layer::Indirect] += self.indirect(path, *at, bounce, &mut beyond, tally);
+            sample[Layer::Indirect] +=
+                self.indirect(path, *at, bounce, &mut beyond, vicinity, tally);
         }
     }
 
-    /// Reflected radiance of the light in the photon map, for a footprint of
-    /// the given width in metres: first of photons that came from their light
+    /// Reflected radiance of the light in the photon map at a point that the
+    /// camera has `seen`, or that a path has reached, for a footprint of the
+    /// given width in metres: first of photons that came from their light
     /// through specular steps alone, then of those that bounced once.
     fn gathered(
         &self,
         at: &DiffusePoint,
         width: f64,
-        caustics: bool,
+        seen: bool,
         stream: &mut Stream,
+        vicinity: &mut Option<Vicinity<'_>>,
         tally: &mut CameraTally,
     ) -> [Rgb; 2] {
-        let Some(map) = self.map else {
+        let Some(vicinity) = vicinity else {
             return [Rgb::BLACK; 2];
         };
         let unit = self.scale * width;
@@ -238,11 +255,14 @@ impl Gather<'_> {
             most: MOST * unit,
             most_bounced: MOST_BOUNCED * unit,
             blind: unit,
-            caustics,
+            caustics: seen,
+            // The next pixel sees a point near by; paths scatter.
+            spacing: if seen { width } else { 0.0 },
         };
-        let found = gather(&self.ctx, map, at, &kernels, stream.next_1d());
+        let found = gather(&self.ctx, vicinity, at, &kernels, stream.next_1d());
         tally.queries += 1;
         tally.visited += u64::from(found.visited);
+        tally.tested += u64::from(found.tested);
         tally.accepted += u64::from(found.accepted);
         [found.irradiance, found.bounced].map(|e| at.reflectance * e * FRAC_1_PI)
     }
@@ -256,6 +276,7 @@ impl Gather<'_> {
         mut at: DiffusePoint,
         mut bounce: [f64; 2],
         stream: &mut Stream,
+        vicinity: &mut Option<Vicinity<'_>>,
         tally: &mut CameraTally,
     ) -> Rgb {
         let mut sum = Rgb::BLACK;
@@ -286,7 +307,7 @@ impl Gather<'_> {
             at = DiffusePoint::new(point, path.ray.dir, reflectance);
             // The caustic itself, as light for the surface before, has come
             // there as photons that bounced here.
-            let [_, bounced] = self.gathered(&at, width, false, stream, tally);
+            let [_, bounced] = self.gathered(&at, width, false, stream, vicinity, tally);
             tally.rays += u64::from(LATER_SHADOW_RAYS);
             let found = direct_light(&self.ctx, &at, stream, LATER_SHADOW_RAYS) + bounced;
             sum += path.throughput * found;

@@ -98,6 +98,7 @@ struct Totals {
     truncated: u64,
     queries: u64,
     visited: u64,
+    tested: u64,
     accepted: u64,
     tally: Tally,
 }
@@ -128,6 +129,7 @@ pub fn run(
         totals.truncated += pass.truncated;
         totals.queries += pass.queries;
         totals.visited += pass.visited;
+        totals.tested += pass.tested;
         totals.accepted += pass.accepted;
         totals.tally.merge(&pass.tally);
         done += 1;
@@ -229,6 +231,7 @@ fn report(
         photons_refused: totals.photons_refused,
         queries: totals.queries,
         visited: totals.visited,
+        tested: totals.tested,
         accepted: totals.accepted,
         photons_per_pass: renderer.photons(),
         radius: [renderer.scale(0), renderer.scale(last_round)],

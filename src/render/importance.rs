@@ -189,6 +189,7 @@ impl Importance {
             most_bounced: self.longest,
             blind: 0.0,
             caustics: true,
+            spacing: 0.0,
         };
         let found = self.map.irradiance(&query, |_, _| 1.0);
         let all = if photon.bounced {

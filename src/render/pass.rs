@@ -68,8 +68,10 @@ pub struct PassOutput {
     pub truncated: u64,
     /// Questions asked of the photon map.
     pub queries: u64,
-    /// Candidates looked at to answer them.
+    /// Candidates that trees offered to answer them.
     pub visited: u64,
+    /// Kernels evaluated for it.
+    pub tested: u64,
     /// Photons whose kernels reached the point asked for.
     pub accepted: u64,
 }
@@ -179,6 +181,7 @@ impl<'a> Renderer<'a> {
             truncated: camera.truncated,
             queries: camera.queries,
             visited: camera.visited,
+            tested: camera.tested,
             accepted: camera.accepted,
         }
     }
@@ -249,7 +252,8 @@ impl<'a> Renderer<'a> {
             let mut look = |sample: u64, set: usize| {
                 let stream = Sequence::new(seed, Purpose::Pilot, 5, i).at(sample);
                 let ray = self.ray(px, py, &stream);
-                let found = gathers[set].sample(ray, &stream, &mut tally);
+                let found =
+                    gathers[set].sample(ray, &stream, &mut gathers[set].vicinity(), &mut tally);
                 // Where sources shine, neither photons nor shares matter.
                 (found.total() - found[Layer::Emission]).mean()
             };

@@ -181,7 +181,12 @@ impl Pilot<'_> {
                 let [u, v] = [u, v].map(|x| x + MARGIN * (2.0 * x - 1.0));
                 let film = DVec2::new(u * width, v * height);
                 let ray = self.camera.ray(film);
-                let found = gather.sample(ray, &stream, &mut CameraTally::default());
+                let found = gather.sample(
+                    ray,
+                    &stream,
+                    &mut gather.vicinity(),
+                    &mut CameraTally::default(),
+                );
                 let reached = reach(&gather.ctx, ray, beam, &mut ways.at(i));
                 (film, found.total().mean(), reached)
             })

@@ -41,8 +41,10 @@ pub struct Report {
     pub photons_refused: u64,
     /// Questions asked of the photon map.
     pub queries: u64,
-    /// Candidates looked at to answer them.
+    /// Candidates that trees offered to answer them.
     pub visited: u64,
+    /// Kernels evaluated for it.
+    pub tested: u64,
     /// Photons whose kernels reached the point asked for.
     pub accepted: u64,
     /// Photon paths of a pass.

@@ -11,6 +11,8 @@
 
 use std::{cmp::Ordering, collections::BinaryHeap};
 
+use super::hash::mix2;
+
 /// Most coordinates of a cube.
 pub const GUIDE_DIMENSIONS: usize = 4;
 
@@ -25,6 +27,18 @@ const MAX_LEAVES: usize = 512;
 /// of its cells.
 const COARSE_LEAVES: usize = 64;
 const BLUR: f64 = 1.0;
+
+/// How far around a point stretches are averaged, in widths of its cell.
+const AROUND: f64 = 0.4;
+
+/// Where they are taken, each place for a quarter of the way along every
+/// coordinate.
+const PLACES: [[f64; GUIDE_DIMENSIONS]; 4] = [
+    [0.75, 0.25, -0.75, -0.25],
+    [-0.25, 0.75, 0.25, -0.75],
+    [-0.75, -0.25, 0.75, 0.25],
+    [0.25, -0.75, -0.25, 0.75],
+];
 
 /// The largest number below 1.
 const BELOW_ONE: f64 = 1.0 - f64::EPSILON / 2.0;
@@ -81,8 +95,12 @@ pub struct Guided {
     /// Derivative of each coordinate by that of the even point. Their product
     /// is one over the density.
     pub stretch: [f64; GUIDE_DIMENSIONS],
+    /// The stretches averaged around the point, partly at random. Kernels of
+    /// this size change from cell to cell by degrees: where they change at
+    /// once, there are ripples. All by chance would make light uneven.
+    pub blurred: [f64; GUIDE_DIMENSIONS],
     /// How far each coordinate of the point is from the end of the cube, in
-    /// coordinates of the even point as they are stretched here.
+    /// coordinates of an even point with these blurred stretches.
     pub room: [f64; GUIDE_DIMENSIONS],
 }
 
@@ -93,6 +111,7 @@ impl Guided {
             at,
             density: 1.0,
             stretch: [1.0; GUIDE_DIMENSIONS],
+            blurred: [1.0; GUIDE_DIMENSIONS],
             room: at.map(|u| u.min(1.0 - u)),
         }
     }
@@ -161,16 +180,25 @@ impl Guide {
         std::array::from_fn(|d| {
             alpha *= RATIO;
             let offset = 2.0 * (0.5 + alpha * f64::from(i)).fract() - 1.0;
-            let moved = (at[d] + BLUR * width[d] * offset).abs();
-            let inside = if moved < 1.0 { moved } else { 2.0 - moved };
-            inside.clamp(0.0, BELOW_ONE)
+            reflected(at[d] + BLUR * width[d] * offset)
         })
     }
 
     /// The widths of the cell in which a point lies.
     fn widths(&self, at: [f64; GUIDE_DIMENSIONS]) -> [f64; GUIDE_DIMENSIONS] {
+        self.cell(at).0
+    }
+
+    /// The widths of the cell in which a point lies, and its probability by
+    /// the coordinates along which it was halved.
+    #[inline]
+    fn cell(
+        &self,
+        at: [f64; GUIDE_DIMENSIONS],
+    ) -> ([f64; GUIDE_DIMENSIONS], [f64; GUIDE_DIMENSIONS]) {
         let mut low = [0.0; GUIDE_DIMENSIONS];
         let mut width = [1.0; GUIDE_DIMENSIONS];
+        let mut chance = [1.0; GUIDE_DIMENSIONS];
         let mut node = &self.nodes[0];
         while node.halves != 0 {
             let d = usize::from(node.dimension);
@@ -179,9 +207,10 @@ impl Guide {
             if upper {
                 low[d] += width[d];
             }
+            chance[d] *= if upper { 1.0 - node.low } else { node.low };
             node = &self.nodes[node.halves as usize + usize::from(upper)];
         }
-        width
+        (width, chance)
     }
 
     /// Maps an even point of the cube to a point of the distribution.
@@ -209,8 +238,25 @@ impl Guide {
         for d in 0..GUIDE_DIMENSIONS {
             out.at[d] = (low[d] + width[d] * u[d]).min(BELOW_ONE);
             out.stretch[d] = width[d] / chance[d];
-            out.room[d] = out.at[d].min(1.0 - out.at[d]) / out.stretch[d];
             out.density *= chance[d] / width[d];
+        }
+        // Four numbers of sixteen bits, at random but always the same.
+        let hash = even.iter().fold(0, |hash, u| mix2(hash, u.to_bits()));
+        let jitter: [f64; GUIDE_DIMENSIONS] =
+            std::array::from_fn(|d| f64::from((hash >> (16 * d)) as u16) / 65536.0 - 0.5);
+        let mut product = [1.0; GUIDE_DIMENSIONS];
+        for offsets in PLACES {
+            let near = std::array::from_fn(|d| {
+                reflected(out.at[d] + AROUND * width[d] * (offsets[d] + 0.5 * jitter[d]))
+            });
+            let (width, chance) = self.cell(near);
+            for d in 0..GUIDE_DIMENSIONS {
+                product[d] *= width[d] / chance[d];
+            }
+        }
+        for d in 0..GUIDE_DIMENSIONS {
+            out.blurred[d] = product[d].sqrt().sqrt();
+            out.room[d] = out.at[d].min(1.0 - out.at[d]) / out.blurred[d];
         }
         out
     }
@@ -219,6 +265,14 @@ impl Guide {
     pub fn leaves(&self) -> usize {
         self.nodes.len().div_ceil(2)
     }
+}
+
+/// A coordinate that left the unit interval by less than its length, thrown
+/// back at the border.
+fn reflected(x: f64) -> f64 {
+    let x = x.abs();
+    let inside = if x < 1.0 { x } else { 2.0 - x };
+    inside.clamp(0.0, BELOW_ONE)
 }
 
 /// A cell while the tree grows.

@@ -4,31 +4,24 @@
 //! relative to the median of the class: small kernels lie close together, and
 //! so are stored finely. Long ellipses enter as several *spans* along their
 //! major axis, each a point of the tree: a search as wide as the ellipse is
-//! long would meet many that do not reach the query. Each query belongs to one
-//! span of an ellipse, so it finds it once.
-
-use std::f64::consts::FRAC_2_PI;
+//! long would meet many that do not reach the query.
 
 use glam::{DMat3, DVec3, Vec3};
 use kiddo::{Eytzinger, FlatVec, KdTree, SquaredEuclidean};
 
-use super::{
-    Gathered, Photon,
-    normal::{decode, encode},
-    order,
-};
+use super::{Photon, normal::encode, order};
 
 type Tree = KdTree<f32, u32, Eytzinger, FlatVec<f32, u32, 3, 32>, 3, 32>;
 
 /// Photons whose surface normal differs more than this from the query's
 /// (cosine) lie on another face.
-const SAME_FACE_COSINE: f32 = 0.7;
+pub(super) const SAME_FACE_COSINE: f32 = 0.7;
 
 /// A photon is taken to lie on the query's surface if the way to it leaves
 /// the mean of the two tangent planes by no more than this part of its length
 /// (on a sphere it does not leave it at all), or of the kernel's minor
 /// semi-axis.
-const SLAB: f32 = 0.25;
+pub(super) const SLAB: f32 = 0.25;
 
 /// Most spans of an ellipse: an odd number, so that one is in its middle.
 const MOST_SPANS: u32 = 15;
@@ -46,21 +39,19 @@ const SMALLEST_PART: usize = 8;
 /// have more.
 pub(super) const BYTES_PER_PHOTON: u64 = size_of::<Stored>() as u64 + 4 * 36;
 
-/// A photon at rest, 56 bytes.
-#[derive(Clone, Copy, Debug)]
-struct Stored {
-    position: [f32; 3],
-    flux: [f32; 3],
+/// A photon at rest, 52 bytes.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Stored {
+    pub(super) position: [f32; 3],
+    pub(super) flux: [f32; 3],
     /// Unit vector of the major axis.
-    axis: [f32; 3],
+    pub(super) axis: [f32; 3],
     /// Length of the major semi-axis; 0 for photons without a footprint.
-    major: f32,
+    pub(super) major: f32,
     /// Length of the minor semi-axis.
-    minor: f32,
-    /// The surface's normal.
-    normal: u32,
-    /// Number of spans.
-    spans: u32,
+    pub(super) minor: f32,
+    /// The surface's normal, in code.
+    pub(super) normal: u32,
 }
 
 /// A point of the tree.
@@ -83,11 +74,10 @@ pub struct Ellipse {
 }
 
 /// What a query says to every class, lengths in metres.
+#[derive(Clone, Copy, Debug)]
 pub(super) struct Search {
     /// The query's normal in the map's frame.
     pub(super) normal: Vec3,
-    /// Its code.
-    pub(super) code: u32,
     /// Bounds of the semi-axes.
     pub(super) least: f32,
     pub(super) most: f32,
@@ -187,7 +177,6 @@ impl Class {
                 major: length as f32,
                 minor: minor as f32,
                 normal: encode((rotation * photon.normal).as_vec3()),
-                spans: spans_of_it,
             });
         }
         let corner = |pick: fn(Vec3, Vec3) -> Vec3| {
@@ -216,16 +205,28 @@ impl Class {
         })
     }
 
-    /// Adds the flux density of all kernels that reach `p`.
-    pub(super) fn visit(
+    /// A point in the frame of the class.
+    pub(super) fn local(&self, p: DVec3) -> Vec3 {
+        (p - self.center).as_vec3()
+    }
+
+    /// The photons of the class.
+    pub(super) fn photons(&self) -> &[Stored] {
+        &self.photons
+    }
+
+    /// Puts the numbers of all photons whose kernels may reach a point within
+    /// `margin` of `p`, for queries that are bounded by `search`, into
+    /// `numbers`, in order; how many candidates there were for it.
+    pub(super) fn find(
         &self,
         p: DVec3,
         search: &Search,
-        weigh: &impl Fn(Vec3, &Ellipse) -> f64,
-        sum: &mut [f64; 3],
-        gathered: &mut Gathered,
-    ) {
-        let query = (p - self.center).as_vec3();
+        margin: f32,
+        numbers: &mut Vec<u32>,
+    ) -> u32 {
+        numbers.clear();
+        let center = self.local(p);
         let squared = if self.reach == 0.0 {
             search.blind * search.blind
         } else {
@@ -233,84 +234,60 @@ impl Class {
             (self.reach * self.reach + search.least * search.least)
                 .min(self.spread * search.most * search.most)
         };
-        let outside = query - query.clamp(self.low, self.high);
+        let squared = if margin > 0.0 {
+            // With room for rounding.
+            (squared.sqrt() + margin).powi(2) * (1.0 + 1e-5)
+        } else {
+            squared
+        };
+        let outside = center - center.clamp(self.low, self.high);
         // Also where something is not a number.
         let within = outside.length_squared() < squared && squared.is_finite();
         if !within {
-            return;
+            return 0;
         }
+        let mut visited = 0;
         self.tree
-            .query(&query.to_array())
+            .query(&center.to_array())
             .within::<SquaredEuclidean<f32>>(squared)
             .unsorted()
             .visit(|hit| {
-                gathered.visited += 1;
-                let photon = &self.photons[(hit.item >> 4) as usize];
-                let Some((k, offset, ellipse)) = photon.kernel(query, hit.item & 15, search) else {
-                    return;
-                };
-                let k = k * weigh(offset, &ellipse);
-                if k > 0.0 {
-                    gathered.accepted += 1;
-                    for (s, f) in sum.iter_mut().zip(photon.flux) {
-                        *s += k * f64::from(f);
-                    }
+                visited += 1;
+                let number = hit.item >> 4;
+                if self.photons[number as usize].may_reach(center, search, margin) {
+                    numbers.push(number);
                 }
             });
+        numbers.sort_unstable();
+        // An ellipse of several spans may be found several times.
+        numbers.dedup();
+        visited
     }
 }
 
 impl Stored {
-    /// The kernel's height at the query in 1/m2, with the offset to the photon,
-    /// if it reaches the query and the query belongs to this span.
+    /// Semi-axes of the kernel within a query's bounds.
     #[inline]
-    fn kernel(&self, query: Vec3, span: u32, search: &Search) -> Option<(f64, Vec3, Ellipse)> {
-        let offset = Vec3::from(self.position) - query;
-        let (major, minor) = if self.major > 0.0 {
+    fn semi_axes(&self, search: &Search) -> (f32, f32) {
+        if self.major > 0.0 {
             let bounded = |axis: f32| axis.clamp(search.least, search.most);
             (bounded(self.major), bounded(self.minor))
         } else {
             (search.blind, search.blind)
-        };
-        let along = offset.dot(Vec3::from(self.axis));
-        if along.abs() >= major {
-            return None;
         }
-        let mut height = offset.dot(search.normal);
-        if self.normal != search.code {
-            let normal = decode(self.normal);
-            if normal.dot(search.normal) < SAME_FACE_COSINE {
-                return None;
-            }
-            height = 0.5 * (height + offset.dot(normal));
-        }
-        let squared = offset.length_squared();
-        if height * height > SLAB * SLAB * squared.max(minor * minor) {
-            return None;
-        }
-        let across = (squared - height * height - along * along).max(0.0);
-        let q = along * along / (major * major) + across / (minor * minor);
-        if q >= 1.0 || self.span_of(-along) != span {
-            return None;
-        }
-        let ellipse = Ellipse {
-            axis: Vec3::from(self.axis).as_dvec3(),
-            major: f64::from(major),
-            minor: f64::from(minor),
-        };
-        let k = FRAC_2_PI * f64::from(1.0 - q) / (ellipse.major * ellipse.minor);
-        Some((k, offset, ellipse))
     }
 
-    /// The span to which a place along the major axis belongs.
-    #[inline]
-    fn span_of(&self, along: f32) -> u32 {
-        if self.spans == 1 {
-            return 0;
-        }
-        // `as` clamps below at zero.
-        let i = (along / self.major + 1.0) * (0.5 * self.spans as f32);
-        (i as u32).min(self.spans - 1)
+    /// Whether the kernel may reach a point within `margin` of `center`.
+    pub(super) fn may_reach(&self, center: Vec3, search: &Search, margin: f32) -> bool {
+        // Of what the slab lets through, height^2 <= SLAB^2 (a^2 + b^2 + height^2)
+        // is the highest.
+        const HEIGHT_SQ: f32 = SLAB * SLAB / (1.0 - SLAB * SLAB);
+        let (major, minor) = self.semi_axes(search);
+        let offset = Vec3::from(self.position) - center;
+        let along = offset.dot(Vec3::from(self.axis));
+        let from_axis = (offset.length_squared() - along * along).max(0.0).sqrt();
+        let (a2, b2) = (major * major, minor * minor);
+        along.abs() <= major + margin && from_axis <= (b2 + HEIGHT_SQ * (a2 + b2)).sqrt() + margin
     }
 }
 

@@ -1,5 +1,7 @@
 //! Guides learned from densities that are known.
 
+use std::f64::consts::FRAC_2_PI;
+
 use super::*;
 use crate::{
     metrics::chi_square,
@@ -175,6 +177,57 @@ fn stretches_are_derivatives() {
         }
     }
     assert!(compared > 7000, "{compared} comparisons");
+}
+
+/// Even light stays even where cells of the guide meet: kernels of blurred size
+/// leave less than half of the ripples that kernels of their own cell's leave.
+#[test]
+fn blurred_kernels_leave_few_ripples() {
+    let sequence = Sequence::new(9, Purpose::Pilot, 0, 0);
+    let samples: Vec<Weighed> = (0..4096)
+        .map(|i| {
+            let at = point(sequence, i);
+            let bright = at[0] > 0.3 && at[0] < 0.6 && at[1] > 0.4;
+            Weighed {
+                at,
+                weight: if bright { 4.0 } else { 0.5 },
+            }
+        })
+        .collect();
+    let guide = Guide::learn(&samples, 2, 64).expect("light");
+    // Many sequences: the mean shows the ripples without the noise of one.
+    let (sequences, length) = (64, 1u64 << 12);
+    let half = 2.6 / (length as f64).sqrt();
+    let points: Vec<Guided> = (0..sequences)
+        .flat_map(|k| (0..length).map(move |i| (k, i)))
+        .map(|(k, i)| guide.warp(point(Sequence::new(10, Purpose::Pilot, 0, k), i)))
+        .collect();
+    let count = points.len();
+    let unevenness = |sizes: fn(&Guided) -> &[f64; GUIDE_DIMENSIONS]| {
+        let queries = 200;
+        let squares: f64 = (0..queries)
+            .map(|i| {
+                let q = point(Sequence::new(11, Purpose::Pilot, 0, 0), i);
+                let place = [0, 1].map(|d| 0.1 + 0.8 * q[d]);
+                let sum: f64 = points
+                    .iter()
+                    .map(|p| {
+                        let axes = [0, 1].map(|d| half * sizes(p)[d]);
+                        let t: f64 = [0, 1]
+                            .map(|d| ((p.at[d] - place[d]) / axes[d]).powi(2))
+                            .iter()
+                            .sum();
+                        let kernel = FRAC_2_PI * (1.0 - t).max(0.0) / (axes[0] * axes[1]);
+                        kernel / p.density
+                    })
+                    .sum();
+                (sum / count as f64 - 1.0).powi(2)
+            })
+            .sum();
+        (squares / queries as f64).sqrt()
+    };
+    let (blurred, own) = (unevenness(|p| &p.blurred), unevenness(|p| &p.stretch));
+    assert!(blurred < 0.5 * own && blurred < 0.05, "{blurred} of {own}");
 }
 
 /// Drawing by the guide makes the variance of an estimate of the truth's

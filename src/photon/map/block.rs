@@ -1,0 +1,131 @@
+//! Photons side by side, so that one instruction evaluates several kernels.
+
+use std::f32::consts::FRAC_2_PI;
+
+use glam::{Vec3, Vec4};
+
+use super::{
+    class::{SAME_FACE_COSINE, SLAB, Search, Stored},
+    normal,
+};
+
+/// Photons of a block: one for each component of a vector register that every
+/// machine has.
+pub(super) const LANES: usize = 4;
+
+/// Further than any photon.
+const NOWHERE: f32 = 1e18;
+
+/// Photons, one a component.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Block {
+    position: [Vec4; 3],
+    axis: [Vec4; 3],
+    normal: [Vec4; 3],
+    major: Vec4,
+    minor: Vec4,
+    flux: [[f32; 3]; LANES],
+}
+
+/// A kernel that reaches a query.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Reaching {
+    /// Its place in the block.
+    lane: usize,
+    /// Its height at the query in 1/m2.
+    pub(super) height: f32,
+    /// Semi-axes, metres.
+    pub(super) major: f32,
+    pub(super) minor: f32,
+}
+
+impl Block {
+    /// The photons of these numbers, the last block filled up with photons
+    /// that reach nothing.
+    pub(super) fn pack(photons: &[Stored], numbers: &[u32]) -> impl Iterator<Item = Self> {
+        let nobody = Stored {
+            position: [NOWHERE; 3],
+            ..Stored::default()
+        };
+        numbers.chunks(LANES).map(move |numbers| {
+            let lane = |i: usize| numbers.get(i).map_or(nobody, |&n| photons[n as usize]);
+            let lanes = [lane(0), lane(1), lane(2), lane(3)];
+            let each = |of: &dyn Fn(&Stored) -> f32| Vec4::from(lanes.each_ref().map(of));
+            let normals = lanes.map(|p| normal::decode(p.normal));
+            Self {
+                position: [0, 1, 2].map(|k| each(&|p| p.position[k])),
+                axis: [0, 1, 2].map(|k| each(&|p| p.axis[k])),
+                normal: [0, 1, 2].map(|k| Vec4::from(normals.map(|n| n[k]))),
+                major: each(&|p| p.major),
+                minor: each(&|p| p.minor),
+                flux: lanes.map(|p| p.flux),
+            }
+        })
+    }
+
+    /// Calls `found` with every kernel that reaches `query`, in order.
+    #[inline]
+    pub(super) fn kernels(&self, query: Vec3, search: &Search, mut found: impl FnMut(&Reaching)) {
+        let dot = |a: &[Vec4; 3], b: &[Vec4; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+        let query = query.to_array().map(Vec4::splat);
+        let offset = [0, 1, 2].map(|k| self.position[k] - query[k]);
+        let squared = dot(&offset, &offset);
+        let (least, most) = (Vec4::splat(search.least), Vec4::splat(search.most));
+        let sized = self.major.cmpgt(Vec4::ZERO);
+        let blind = Vec4::splat(search.blind);
+        let bounded = |axis: Vec4| Vec4::select(sized, axis.max(least).min(most), blind);
+        let (major, minor) = (bounded(self.major), bounded(self.minor));
+        let (major2, minor2) = (major * major, minor * minor);
+        // Photons that come after each other are near each other: most blocks
+        // hold none that reaches the query, not even with a slab above it.
+        const FARTHEST: f32 = 1.0 / (1.0 - SLAB * SLAB) + 1e-5;
+        if squared.cmpgt(major2 * FARTHEST).all() {
+            return;
+        }
+        let along = dot(&offset, &self.axis);
+        // The mean of the distances from both tangent planes.
+        let up = search.normal.to_array().map(Vec4::splat);
+        let height = (dot(&offset, &up) + dot(&offset, &self.normal)) * 0.5;
+        let (along2, height2) = (along * along, height * height);
+        let across2 = (squared - height2 - along2).max(Vec4::ZERO);
+        let q = along2 / major2 + across2 / minor2;
+        let same_face = dot(&self.normal, &up).cmpge(Vec4::splat(SAME_FACE_COSINE));
+        let same_slab = height2.cmple(squared.max(minor2) * (SLAB * SLAB));
+        let mut reaching = (q.cmplt(Vec4::ONE) & same_face & same_slab).bitmask();
+        if reaching == 0 {
+            return;
+        }
+        let height = ((Vec4::ONE - q) * FRAC_2_PI / (major * minor)).to_array();
+        let (major, minor) = (major.to_array(), minor.to_array());
+        while reaching != 0 {
+            let lane = reaching.trailing_zeros() as usize;
+            found(&Reaching {
+                lane,
+                height: height[lane],
+                major: major[lane],
+                minor: minor[lane],
+            });
+            reaching &= reaching - 1;
+        }
+    }
+
+    /// The flux of a photon in W.
+    #[inline]
+    pub(super) fn flux(&self, kernel: &Reaching) -> [f32; 3] {
+        self.flux[kernel.lane]
+    }
+
+    /// The place of a photon.
+    pub(super) fn position(&self, kernel: &Reaching) -> Vec3 {
+        component(&self.position, kernel.lane)
+    }
+
+    /// Unit vector of a kernel's major axis.
+    pub(super) fn axis(&self, kernel: &Reaching) -> Vec3 {
+        component(&self.axis, kernel.lane)
+    }
+}
+
+fn component(v: &[Vec4; 3], lane: usize) -> Vec3 {
+    Vec3::new(v[0][lane], v[1][lane], v[2][lane])
+}

@@ -1,0 +1,232 @@
+//! Asking a map from one place after another.
+//!
+//! Queries of neighbouring pixels meet the same photons. Their kernels are
+//! found once for a small region, by a search of the trees that is a little
+//! wider than one query needs, and kept side by side; each query in the region
+//! then tests them several at a time. Where queries do not follow each other
+//! closely, each searches for itself. The answer does not depend on which of
+//! the two is done: the photons are summed in the order of their numbers.
+
+use std::mem;
+
+use glam::DVec3;
+
+use crate::spectrum::Rgb;
+
+use super::{
+    Ellipse, Gathered, PhotonMap, Query,
+    block::{Block, LANES, Reaching},
+    class::Search,
+};
+
+/// Regions that are remembered at once: a pixel may show several surfaces.
+const REGIONS: usize = 6;
+
+/// Radius of a region in distances between queries.
+const RADIUS: f64 = 6.0;
+
+/// By how much the kernels of a region's queries may exceed those of the query
+/// for which it was searched.
+const SLACK: f32 = 1.2;
+
+/// Where queries were, and perhaps what photons are near.
+#[derive(Debug)]
+struct Region {
+    center: DVec3,
+    /// In metres; negative where there is no region.
+    radius: f64,
+    /// The widest kernels for which the photons were found; `None` where only
+    /// one query has been.
+    bounds: Option<[Search; 2]>,
+    /// Photons by class, caustics first.
+    blocks: Vec<Block>,
+    /// Where each class ends.
+    ends: Vec<usize>,
+}
+
+/// Asks a map, and remembers what is near.
+pub struct Vicinity<'a> {
+    map: &'a PhotonMap,
+    regions: [Region; REGIONS],
+    /// The region that is forgotten next.
+    oldest: usize,
+    numbers: Vec<u32>,
+}
+
+impl<'a> Vicinity<'a> {
+    /// Nothing is near yet.
+    pub fn new(map: &'a PhotonMap) -> Self {
+        Self {
+            map,
+            regions: std::array::from_fn(|_| Region {
+                center: DVec3::ZERO,
+                radius: -1.0,
+                bounds: None,
+                blocks: Vec::new(),
+                ends: Vec::new(),
+            }),
+            oldest: 0,
+            numbers: Vec::new(),
+        }
+    }
+
+    /// The map.
+    pub fn map(&self) -> &'a PhotonMap {
+        self.map
+    }
+
+    /// Irradiance in W/m2 at a point, by Epanechnikov kernels
+    /// `2/pi (1 - q) / (a b)`, where `a`, `b` are the semi-axes of the photon's
+    /// ellipse and `q < 1` the squared distance in units of them. Kernels
+    /// longer than `clear`, which is asked for only where there are photons,
+    /// count by a factor: `weigh` is given the offset of the photon and its
+    /// ellipse, and answers 0 where a wall stands between.
+    pub fn irradiance(
+        &mut self,
+        query: &Query,
+        clear: impl Fn() -> f64,
+        weigh: impl Fn(DVec3, &Ellipse) -> f64,
+    ) -> Gathered {
+        let mut gathered = Gathered::default();
+        let finite = query.p.is_finite() && query.n.is_finite();
+        if !(finite && query.least >= 0.0 && query.most > 0.0 && query.blind >= 0.0) {
+            return gathered;
+        }
+        let map = self.map;
+        let searches = query.searches(map.rotation);
+        let p = map.rotation * query.p;
+        let region = (query.spacing > 0.0)
+            .then(|| self.region(p, query, &searches, &mut gathered))
+            .flatten();
+        let back = map.rotation.transpose();
+        let mut sums = [[0.0; 3]; 2];
+        for (c, class) in map.classes().enumerate() {
+            let bounced = usize::from(c >= map.caustics.len());
+            if bounced == 0 && !query.caustics {
+                continue;
+            }
+            let search = &searches[bounced];
+            let local = class.local(p);
+            let sum = &mut sums[bounced];
+            let mut add = |block: &Block, kernel: &Reaching| {
+                let mut k = f64::from(kernel.height);
+                if f64::from(kernel.major) > clear() {
+                    let offset = block.position(kernel) - local;
+                    let ellipse = Ellipse {
+                        axis: back * block.axis(kernel).as_dvec3(),
+                        major: f64::from(kernel.major),
+                        minor: f64::from(kernel.minor),
+                    };
+                    k *= weigh(back * offset.as_dvec3(), &ellipse);
+                    if k <= 0.0 {
+                        return;
+                    }
+                }
+                gathered.accepted += 1;
+                for (s, f) in sum.iter_mut().zip(block.flux(kernel)) {
+                    *s += k * f64::from(f);
+                }
+            };
+            if let Some(r) = region {
+                for block in self.regions[r].class(c) {
+                    gathered.tested += LANES as u32;
+                    block.kernels(local, search, |kernel| add(block, kernel));
+                }
+            } else {
+                gathered.visited += class.find(p, search, 0.0, &mut self.numbers);
+                for block in Block::pack(class.photons(), &self.numbers) {
+                    gathered.tested += LANES as u32;
+                    block.kernels(local, search, |kernel| add(&block, kernel));
+                }
+            }
+        }
+        let [caustics, bounced] = sums.map(|s| Rgb(s) * map.per_path);
+        gathered.irradiance = caustics;
+        gathered.bounced = bounced;
+        gathered
+    }
+
+    /// A region whose photons serve a query at `p`. Where one query has been
+    /// near, the photons are looked for; where none has, the place is marked.
+    fn region(
+        &mut self,
+        p: DVec3,
+        query: &Query,
+        searches: &[Search; 2],
+        gathered: &mut Gathered,
+    ) -> Option<usize> {
+        let mut marked = None;
+        for (i, region) in self.regions.iter().enumerate() {
+            if p.distance_squared(region.center) > region.radius * region.radius.abs() {
+                continue;
+            }
+            let Some(bounds) = &region.bounds else {
+                marked = Some(i);
+                continue;
+            };
+            let serves = |(q, b): (&Search, &Search)| {
+                q.least <= b.least && q.most <= b.most && q.blind <= b.blind
+            };
+            if searches.iter().zip(bounds).all(serves) {
+                return Some(i);
+            }
+        }
+        let i = marked.unwrap_or_else(|| {
+            self.oldest = (self.oldest + 1) % REGIONS;
+            self.oldest
+        });
+        let mut region = mem::replace(
+            &mut self.regions[i],
+            Region {
+                center: p,
+                radius: RADIUS * query.spacing,
+                bounds: None,
+                blocks: Vec::new(),
+                ends: Vec::new(),
+            },
+        );
+        if marked.is_none() {
+            // The memory stays.
+            self.regions[i].blocks = region.blocks;
+            self.regions[i].ends = region.ends;
+            return None;
+        }
+        region.center = p;
+        region.radius = RADIUS * query.spacing;
+        gathered.visited += region.search(self.map, searches, &mut self.numbers);
+        self.regions[i] = region;
+        Some(i)
+    }
+}
+
+impl Region {
+    /// Finds all photons that may reach a query in the region; the number of
+    /// candidates for it.
+    fn search(&mut self, map: &PhotonMap, searches: &[Search; 2], numbers: &mut Vec<u32>) -> u32 {
+        let bounds = searches.map(|s| Search {
+            least: s.least * SLACK,
+            most: s.most * SLACK,
+            blind: s.blind * SLACK,
+            ..s
+        });
+        // With room for rounding.
+        let margin = (self.radius * (1.0 + 1e-5)) as f32;
+        self.blocks.clear();
+        self.ends.clear();
+        let mut visited = 0;
+        for (c, class) in map.classes().enumerate() {
+            let bounds = &bounds[usize::from(c >= map.caustics.len())];
+            visited += class.find(self.center, bounds, margin, numbers);
+            self.blocks.extend(Block::pack(class.photons(), numbers));
+            self.ends.push(self.blocks.len());
+        }
+        self.bounds = Some(bounds);
+        visited
+    }
+
+    /// The photons of a class.
+    fn class(&self, c: usize) -> &[Block] {
+        let first = c.checked_sub(1).map_or(0, |before| self.ends[before]);
+        &self.blocks[first..self.ends[c]]
+    }
+}
