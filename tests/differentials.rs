@@ -73,8 +73,8 @@ impl Bundle {
         let dir = warp::sphere(s.next_2d()).normalize();
         let across = |v: DVec3| v - dir * v.dot(dir);
         let pair = Pair {
-            dp: [any(s, 1.0), any(s, 1.0)],
-            dd: [across(any(s, 1.0)), across(any(s, 1.0))],
+            dp: [any(s, 1.0), any(s, 1.0)].into(),
+            dd: [across(any(s, 1.0)), across(any(s, 1.0))].into(),
         };
         let second = [0; 5].map(|_| s.next_1d() < 0.6);
         Self {
@@ -88,7 +88,10 @@ impl Bundle {
     /// Follows the ray that lies `u` beside the bundle's own, to the last
     /// surface before it is scattered for the sixth time.
     fn follow(&self, scene: &Scene, u: [f64; 2]) -> Option<Path> {
-        let [dp, dd] = [self.pair.dp, self.pair.dd].map(|v| v[0] * u[0] + v[1] * u[1]);
+        let [dp, dd] = [self.pair.dp, self.pair.dd].map(|v| {
+            let [a, b] = v.to_array();
+            a * u[0] + b * u[1]
+        });
         let mut ray = Ray::new(self.origin + dp, (self.dir + dd).normalize());
         let mut differential = Differential::new();
         differential.push(self.pair);
@@ -163,7 +166,8 @@ fn derivatives_follow_every_chain_of_surfaces() {
         let (Some(coarse), Some(fine)) = (coarse, fine) else {
             continue;
         };
-        for (k, exact) in [path.pair.dp, path.pair.dd].iter().enumerate() {
+        for (k, exact) in [path.pair.dp, path.pair.dd].into_iter().enumerate() {
+            let exact = exact.to_array();
             let size = exact[0].length().max(exact[1].length()).max(1.0);
             for axis in 0..2 {
                 // Where two steps disagree, the difference tells nothing.

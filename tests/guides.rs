@@ -254,7 +254,7 @@ fn a_guided_photon_knows_its_cell() {
     let mut fluxes = Vec::new();
     for i in 0..4096 {
         let e = emitter.emit(&renderer.context(), &mut sequence.at(i));
-        let [a, b] = e.differential.pairs()[0].dd;
+        let [a, b] = e.differential.pairs()[0].dd.to_array();
         let solid_angle = a.cross(b).length() / e.differential.chance;
         let expected = 3.0 * solid_angle;
         assert!(

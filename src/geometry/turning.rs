@@ -9,6 +9,7 @@
 use glam::{DMat3, DVec3};
 
 use super::{Hit, Shape, SurfacePoint, Transform, World};
+use crate::numeric::VectorPair;
 
 /// How the shading normal changes from place to place on a surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -52,6 +53,16 @@ impl Turning {
             Self::Flat | Self::Facet { .. } => DVec3::ZERO,
             Self::Round { curvature } => displacement * *curvature,
             Self::General(map) => *map * displacement,
+        }
+    }
+
+    /// [`of`](Self::of) for two displacements.
+    #[inline]
+    pub fn of_pair(&self, displacements: VectorPair) -> VectorPair {
+        match self {
+            Self::Flat | Self::Facet { .. } => VectorPair::ZERO,
+            Self::Round { curvature } => displacements * *curvature,
+            Self::General(map) => displacements.under(map),
         }
     }
 

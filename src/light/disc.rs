@@ -4,7 +4,11 @@ use std::f64::consts::PI;
 
 use glam::DVec3;
 
-use crate::{numeric::Frame, sampling::warp, spectrum::Rgb};
+use crate::{
+    numeric::{Frame, VectorPair},
+    sampling::warp,
+    spectrum::Rgb,
+};
 
 use super::DirectSample;
 
@@ -31,11 +35,9 @@ impl DiscLight {
     }
 
     /// Derivatives of [`point`](Self::point) by `u`.
-    pub fn point_derivatives(&self, u: [f64; 2]) -> [DVec3; 2] {
+    pub fn point_derivatives(&self, u: [f64; 2]) -> VectorPair {
         let frame = Frame::around(self.normal);
-        warp::disc_mapped(u)
-            .by
-            .map(|d| (frame.s * d.x + frame.t * d.y) * self.radius)
+        frame.pair_to_world(warp::disc_mapped(u).by) * self.radius
     }
 
     pub(super) fn sample_direct(&self, p: DVec3, u: [f64; 2]) -> Option<DirectSample> {

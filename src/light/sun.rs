@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use glam::DVec3;
 
 use crate::{
-    numeric::{Frame, trig},
+    numeric::{Frame, VectorPair, trig},
     sampling::warp,
     spectrum::Rgb,
 };
@@ -61,13 +61,13 @@ impl Sun {
 
     /// Derivatives of the direction of [`sample_travel`](Self::sample_travel)
     /// by `u`; zero for an ideal parallel light.
-    pub fn travel_derivatives(&self, u: [f64; 2]) -> [DVec3; 2] {
+    pub fn travel_derivatives(&self, u: [f64; 2]) -> VectorPair {
         if self.sin_half == 0.0 {
-            return [DVec3::ZERO; 2];
+            return VectorPair::ZERO;
         }
         let q = warp::one_minus_cos(self.sin_half);
         let frame = Frame::around(self.axis);
-        warp::cone_mapped(u, q).0.by.map(|d| frame.to_world(d))
+        frame.pair_to_world(warp::cone_mapped(u, q).0.by)
     }
 
     pub(super) fn sample_direct(&self, u: [f64; 2]) -> Option<DirectSample> {

@@ -2,6 +2,8 @@
 
 use glam::DVec3;
 
+use super::VectorPair;
+
 /// A right-handed orthonormal frame; `n` is its z axis.
 #[derive(Clone, Copy, Debug)]
 pub struct Frame {
@@ -54,6 +56,14 @@ impl Frame {
     #[inline]
     pub fn to_world(&self, v: DVec3) -> DVec3 {
         self.s * v.x + self.t * v.y + self.n * v.z
+    }
+
+    /// [`to_world`](Self::to_world) for two vectors.
+    #[inline]
+    pub fn pair_to_world(&self, v: VectorPair) -> VectorPair {
+        VectorPair::along(self.s, v.x)
+            + VectorPair::along(self.t, v.y)
+            + VectorPair::along(self.n, v.z)
     }
 
     /// From the space in which the frame is given to frame coordinates.

@@ -11,9 +11,11 @@ pub mod frame;
 pub mod products;
 pub mod quadratic;
 pub mod trig;
+pub mod vector_pair;
 
 pub use bounds::{U, gamma};
 pub use exact::ExactSum;
 pub use frame::Frame;
 pub use products::{difference_of_products, two_product, two_sum};
 pub use quadratic::{Roots, quadratic};
+pub use vector_pair::VectorPair;

@@ -16,12 +16,12 @@ mod region;
 #[cfg(test)]
 mod tests;
 
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 
 use crate::{
     geometry::BoundingSphere,
     light::{Beam, Light, SpotLight, Sun},
-    numeric::Frame,
+    numeric::{Frame, VectorPair},
     sampling::{Guided, warp},
     spectrum::Rgb,
     transport::{Differential, Pair},
@@ -55,16 +55,11 @@ impl Start {
     /// nearer, and there only as far as the light's emission goes.
     pub(super) fn stretch(&mut self, guided: &Guided) {
         self.own_density *= guided.density;
-        for (pair, by) in self
-            .differential
-            .pairs_mut()
-            .iter_mut()
-            .zip(guided.blurred.chunks_exact(2))
-        {
-            for (k, by) in by.iter().enumerate() {
-                pair.dp[k] *= *by;
-                pair.dd[k] *= *by;
-            }
+        let [a, b, c, d] = guided.blurred;
+        let stretch = [DVec2::new(a, b), DVec2::new(c, d)];
+        for (pair, by) in self.differential.pairs_mut().iter_mut().zip(stretch) {
+            pair.dp = pair.dp * by;
+            pair.dd = pair.dd * by;
         }
         let [a, b, c, d] = guided.room;
         self.differential.bound(0, [a, b]);
@@ -77,10 +72,8 @@ impl Start {
         let f = self.origin - all.center;
         let back = f.dot(self.dir) + 2.0 * all.radius;
         for pair in self.differential.pairs_mut() {
-            for (dp, dd) in pair.dp.iter_mut().zip(pair.dd) {
-                let further = dp.dot(self.dir) + f.dot(dd);
-                *dp -= dd * back + self.dir * further;
-            }
+            let further = pair.dp.dot(self.dir) + pair.dd.dot(f);
+            pair.dp = pair.dp - (pair.dd * back + VectorPair::along(self.dir, further));
         }
         self.origin -= self.dir * back;
         self
@@ -99,11 +92,12 @@ pub(super) fn draw(light: &Light, target: Target, dir: [f64; 2], point: [f64; 2]
             let frame = Frame::around(cap.axis);
             let local = warp::cone_mapped(point, cap.q).0;
             let normal = frame.to_world(local.at);
+            let turns = frame.pair_to_world(local.by);
             let place = Place {
                 origin: l.center + normal * l.radius,
-                moves: local.by.map(|d| frame.to_world(d) * l.radius),
+                moves: turns * l.radius,
                 normal,
-                turns: local.by.map(|d| frame.to_world(d)),
+                turns,
                 area: cap_area(l.radius, &cap),
             };
             from_surface(&place, l.radiance, target, dir)
@@ -111,9 +105,9 @@ pub(super) fn draw(light: &Light, target: Target, dir: [f64; 2], point: [f64; 2]
         Light::Quad(l) => {
             let place = Place {
                 origin: l.point(point),
-                moves: [l.u, l.v],
+                moves: VectorPair::from([l.u, l.v]),
                 normal: l.normal(),
-                turns: [DVec3::ZERO; 2],
+                turns: VectorPair::ZERO,
                 area: l.area(),
             };
             from_surface(&place, l.radiance, target, dir)
@@ -123,7 +117,7 @@ pub(super) fn draw(light: &Light, target: Target, dir: [f64; 2], point: [f64; 2]
                 origin: l.point(point),
                 moves: l.point_derivatives(point),
                 normal: l.normal,
-                turns: [DVec3::ZERO; 2],
+                turns: VectorPair::ZERO,
                 area: disc_area(l.radius),
             };
             from_surface(&place, l.radiance, target, dir)
@@ -176,8 +170,8 @@ fn from_point(
     let dir = frame.to_world(local.at).normalize();
     let mut differential = Differential::new();
     differential.push(Pair {
-        dp: [DVec3::ZERO; 2],
-        dd: local.by.map(|d| frame.to_world(d)),
+        dp: VectorPair::ZERO,
+        dd: frame.pair_to_world(local.by),
     });
     Start {
         origin: p,
@@ -193,10 +187,10 @@ fn from_point(
 struct Place {
     origin: DVec3,
     /// Derivatives of the origin.
-    moves: [DVec3; 2],
+    moves: VectorPair,
     normal: DVec3,
     /// Derivatives of the normal.
-    turns: [DVec3; 2],
+    turns: VectorPair,
     /// Area over which such points are uniform.
     area: f64,
 }
@@ -209,23 +203,25 @@ fn from_surface(at: &Place, radiance: Rgb, target: Target, u: [f64; 2]) -> Start
         let frame = Frame::around(cone.axis);
         dir = frame.to_world(local.at).normalize();
         pdf = density(&cone);
-        dirs = local.by.map(|d| frame.to_world(d));
+        dirs = frame.pair_to_world(local.by);
         // The cone turns and widens as the point moves.
-        point_dirs = at.moves.map(|dp| {
+        let widening = frame.to_world(by_q);
+        point_dirs = VectorPair::from(at.moves.to_array().map(|dp| {
             let change = cone.change(&sphere, at.origin, dp);
-            frame.change(change.axis).to_world(local.at) + frame.to_world(by_q * change.q)
-        });
+            frame.change(change.axis).to_world(local.at) + widening * change.q
+        }));
     } else {
         let local = warp::cosine_hemisphere_mapped(u);
         let frame = Frame::around(at.normal);
         dir = frame.to_world(local.at).normalize();
         pdf = warp::cosine_hemisphere_pdf(local.at.z);
-        dirs = local.by.map(|d| frame.to_world(d));
-        point_dirs = at.turns.map(|dn| frame.change(dn).to_world(local.at));
+        dirs = frame.pair_to_world(local.by);
+        let turns = at.turns.to_array();
+        point_dirs = VectorPair::from(turns.map(|dn| frame.change(dn).to_world(local.at)));
     }
     let mut differential = Differential::new();
     differential.push(Pair {
-        dp: [DVec3::ZERO; 2],
+        dp: VectorPair::ZERO,
         dd: dirs,
     });
     differential.push(Pair {
@@ -269,10 +265,10 @@ fn from_sun(light: &Sun, target: Target, u: [f64; 2], point: [f64; 2]) -> Start 
         start.differential.push(Pair {
             // The section's centre is that of the target, less its part along
             // the direction of travel.
-            dp: turns.map(|dt| {
+            dp: VectorPair::from(turns.to_array().map(|dt| {
                 let change = frame.change(dt);
                 change.s * x + change.t * y - dt * center.dot(travel) - travel * center.dot(dt)
-            }),
+            })),
             dd: turns,
         });
     }
@@ -287,10 +283,8 @@ fn across(section: &Section, dir: DVec3, emission: Rgb, u: [f64; 2]) -> Start {
     let own_density = 1.0 / disc_area(section.radius);
     let mut differential = Differential::new();
     differential.push(Pair {
-        dp: disc
-            .by
-            .map(|d| (frame.s * d.x + frame.t * d.y) * section.radius),
-        dd: [DVec3::ZERO; 2],
+        dp: frame.pair_to_world(disc.by) * section.radius,
+        dd: VectorPair::ZERO,
     });
     Start {
         origin: section.center + frame.s * offset.x + frame.t * offset.y,

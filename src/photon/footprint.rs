@@ -12,7 +12,7 @@
 //! less than that even over its whole range (a light so small that it looks
 //! like a point) counts with its whole range.
 
-use glam::{DVec2, DVec3};
+use glam::{DVec2, DVec3, Vec2Swizzles};
 
 use crate::{
     numeric::Frame,
@@ -50,19 +50,20 @@ impl Footprint {
         }
         let sizes = cell_sizes(differential, paths);
         let frame = Frame::around(n);
-        let mut axes = [DVec2::ZERO; 2 * MAX_PAIRS];
+        let mut sides = [Sides::default(); MAX_PAIRS];
         let mut strain = 0.0;
         let scale = OVERLAP[sizes.sharing];
         for (i, pair) in pairs.iter().enumerate() {
             let h = scale * sizes.squared[i].sqrt();
             strain += sizes.squared[i] * differential.strains()[i];
-            for (k, v) in pair.dp.iter().enumerate() {
-                // No kernel reaches past the last photon of its light.
-                let h = h.min(differential.room()[i][k]);
-                axes[2 * i + k] = DVec2::new(frame.s.dot(*v), frame.t.dot(*v)) * h;
-            }
+            // No kernel reaches past the last photon of its light.
+            let h = DVec2::splat(h).min(DVec2::from_array(differential.room()[i]));
+            sides[i] = Sides {
+                s: pair.dp.dot(frame.s) * h,
+                t: pair.dp.dot(frame.t) * h,
+            };
         }
-        let (major, minor) = ellipse(&axes[..2 * pairs.len()])?;
+        let (major, minor) = ellipse(&sides[..pairs.len()])?;
         if strain * scale * scale <= MOST_STRAIN * MOST_STRAIN {
             return Some(Self {
                 major: frame.s * major.x + frame.t * major.y,
@@ -86,17 +87,17 @@ struct CellSizes {
 fn cell_sizes(differential: &Differential, paths: f64) -> CellSizes {
     let pairs = differential.pairs();
     let mut squared = [1.0; MAX_PAIRS];
-    let reach = |i: usize| {
-        let [a, b] = pairs[i].dp;
-        a.length_squared() + b.length_squared()
-    };
+    let mut reach = [0.0; MAX_PAIRS];
+    for (reach, pair) in reach.iter_mut().zip(pairs) {
+        *reach = pair.dp.length_squared().element_sum();
+    }
+    let volume = 1.0 / (paths * differential.chance);
     let mut open: u32 = (1 << pairs.len()) - 1;
     loop {
         let members = || (0..pairs.len()).filter(|i| open & (1 << i) != 0);
         let sharing = open.count_ones() as usize;
         // All sharing pairs spread light equally far: squared[i] * reach(i) = spread.
-        let volume = 1.0 / (paths * differential.chance);
-        let spread = members().map(reach).product::<f64>() * volume;
+        let spread = members().map(|i| reach[i]).product::<f64>() * volume;
         let spread = match sharing {
             0 => {
                 return CellSizes {
@@ -109,11 +110,11 @@ fn cell_sizes(differential: &Differential, paths: f64) -> CellSizes {
             _ => libm::cbrt(spread),
         };
         let within = members()
-            .filter(|&i| reach(i) <= spread)
+            .filter(|&i| reach[i] <= spread)
             .fold(0, |s, i| s | 1 << i);
         if within == 0 || (within == open && sharing == 1) {
             for i in members() {
-                squared[i] = (spread / reach(i)).min(1.0);
+                squared[i] = (spread / reach[i]).min(1.0);
             }
             return CellSizes { squared, sharing };
         }
@@ -122,23 +123,39 @@ fn cell_sizes(differential: &Differential, paths: f64) -> CellSizes {
     }
 }
 
+/// The two vectors by which a cell's sides move a photon, in coordinates of a
+/// tangent frame.
+#[derive(Clone, Copy, Default)]
+struct Sides {
+    s: DVec2,
+    t: DVec2,
+}
+
+impl Sides {
+    /// The sum of the squared areas between these vectors and two others.
+    #[inline]
+    fn areas_squared(&self, o: &Self) -> f64 {
+        let straight = self.s * o.t - self.t * o.s;
+        let crossed = self.s * o.t.yx() - self.t * o.s.yx();
+        straight.length_squared() + crossed.length_squared()
+    }
+}
+
 /// The ellipse whose matrix is the sum of the vectors' outer products: its
 /// major semi-axis and the length of the minor one. `None` if it is not finite
 /// or a point.
-fn ellipse(vectors: &[DVec2]) -> Option<(DVec2, f64)> {
+fn ellipse(cell: &[Sides]) -> Option<(DVec2, f64)> {
     let (mut a, mut b, mut c) = (0.0, 0.0, 0.0);
-    for v in vectors {
-        a += v.x * v.x;
-        b += v.x * v.y;
-        c += v.y * v.y;
-    }
     // The determinant as a sum of squares (Cauchy and Binet): no cancellation
     // where light is focused to a line.
     let mut determinant = 0.0;
-    for (i, v) in vectors.iter().enumerate() {
-        for w in &vectors[..i] {
-            let d = v.perp_dot(*w);
-            determinant += d * d;
+    for (i, v) in cell.iter().enumerate() {
+        a += v.s.length_squared();
+        b += v.s.dot(v.t);
+        c += v.t.length_squared();
+        determinant += (v.s.x * v.t.y - v.t.x * v.s.y).powi(2);
+        for w in &cell[..i] {
+            determinant += v.areas_squared(w);
         }
     }
     let half = 0.5 * (a - c);

@@ -13,10 +13,10 @@ use glam::DVec3;
 use crate::{
     geometry::SurfacePoint,
     material::Material,
-    numeric::Frame,
+    numeric::{Frame, VectorPair},
     sampling::{Stream, warp},
     spectrum::Rgb,
-    transport::{Carried, Context, Lobe, lobes},
+    transport::{Carried, Context, Lobe, Ways},
 };
 
 use super::{Emission, Footprint, LightTally, emit};
@@ -65,6 +65,7 @@ pub fn trace(
     }
     let mut ray = emission.ray;
     let mut differential = emission.differential;
+    let weak = ROULETTE_BELOW * flux.max();
     let (mut bent, mut bounced) = (false, false);
     for depth in 0..=ctx.max_depth {
         let Some(hit) = ctx.scene.world.closest(&ray, f64::INFINITY) else {
@@ -78,11 +79,11 @@ pub fn trace(
             tally.landed_paths += 1;
         }
         stream.seek(emit::DIMENSIONS + DIMENSIONS_PER_STEP * depth);
-        let (direction, q) = if let Some(lobes) = lobes(&material, &point, ray.dir, Carried::Flux) {
+        let (direction, q) = if let Some(ways) = Ways::at(&material, &point, ray.dir) {
             if depth == ctx.max_depth {
                 break;
             }
-            let lobe = lobes.choose(|| stream.next_1d());
+            let lobe = ways.choose(ray.dir, Carried::Flux, || stream.next_1d());
             flux = scatter(flux, &lobe, tally);
             bent |= lobe.is_bent();
             differential.chance *= lobe.share;
@@ -90,7 +91,10 @@ pub fn trace(
                 let turning = ctx.scene.world.turning(&hit, &point);
                 differential.bend(ray.dir, &lobe.bend, &turning);
             }
-            (lobe.dir, survival(flux, emission.flux))
+            // A weak survivor is back at the threshold. Splitting at glass
+            // never weakens a photon (it chooses), so this acts only where
+            // mirrors absorb.
+            (lobe.dir, (flux.max() / weak).max(f64::MIN_POSITIVE))
         } else {
             let Some(landed) = land(&material, &point, ray.dir, flux, bent || bounced, tally)
             else {
@@ -120,13 +124,15 @@ pub fn trace(
             differential.restart(cosine_cell(&frame, local));
             (direction, reflectance.max())
         };
-        if q < 1.0 && stream.next_1d() >= q {
-            tally.roulette_loss += flux.mean();
-            return;
+        if q < 1.0 {
+            if stream.next_1d() >= q {
+                tally.roulette_loss += flux.mean();
+                return;
+            }
+            tally.roulette_gain += flux.mean() * (1.0 / q - 1.0);
+            flux = flux / q;
+            differential.chance *= q;
         }
-        tally.roulette_gain += flux.mean() * (1.0 / q - 1.0);
-        flux = flux / q;
-        differential.chance *= q;
         ray = point.spawn(direction);
     }
     tally.truncated += flux.mean();
@@ -136,35 +142,26 @@ pub fn trace(
 /// Derivatives of a cosine-distributed direction by a square of the same area
 /// as the unit square: the disc below the direction is covered evenly, so any
 /// orientation serves.
-fn cosine_cell(frame: &Frame, local: DVec3) -> [DVec3; 2] {
+fn cosine_cell(frame: &Frame, local: DVec3) -> VectorPair {
     let edge = PI.sqrt();
     let z = local.z.max(f64::MIN_POSITIVE);
-    [
+    VectorPair::from([
         (frame.s - frame.n * (local.x / z)) * edge,
         (frame.t - frame.n * (local.y / z)) * edge,
-    ]
+    ])
 }
 
 /// The flux after a specular step, with its change booked.
+#[inline]
 fn scatter(flux: Rgb, lobe: &Lobe, tally: &mut LightTally) -> Rgb {
+    if lobe.shading == 1.0 && lobe.weight == Rgb::WHITE {
+        return flux;
+    }
     let shaded = flux * lobe.shading;
     tally.shading_change += shaded.mean() - flux.mean();
     let out = flux * lobe.weight;
     tally.absorbed += shaded.mean() - out.mean();
     out
-}
-
-/// Probability of going on: one while the photon is strong, and such that a
-/// weak survivor is back at the threshold. Splitting at glass never weakens a
-/// photon (it chooses), so this acts only where mirrors absorb.
-fn survival(flux: Rgb, launched: Rgb) -> f64 {
-    let floor = ROULETTE_BELOW * launched.max();
-    let q = flux.max() / floor;
-    if q < 1.0 {
-        q.max(f64::MIN_POSITIVE)
-    } else {
-        1.0
-    }
 }
 
 /// What a photon leaves at a surface that is not specular, if its light is

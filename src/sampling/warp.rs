@@ -9,15 +9,15 @@ use std::f64::consts::{FRAC_1_PI, FRAC_PI_4, TAU};
 
 use glam::{DVec2, DVec3};
 
-use crate::numeric::trig;
+use crate::numeric::{VectorPair, trig};
 
 /// A mapped point and its derivatives by the two coordinates of the square.
 #[derive(Clone, Copy, Debug)]
 pub struct Mapped<T> {
     /// The point.
     pub at: T,
-    /// Its derivatives.
-    pub by: [T; 2],
+    /// Its derivatives; their third coordinates are zero in the plane.
+    pub by: VectorPair,
 }
 
 /// A point of the unit disc, uniform; the concentric map keeps strata
@@ -50,10 +50,15 @@ pub fn disc_mapped(u: [f64; 2]) -> Mapped<DVec2> {
     let (out, round) = (DVec2::new(cos, sin), DVec2::new(-sin, cos));
     // r d(phi): pi/4 (db - ratio da), and with the roles changed its negative.
     // The factor 2 is that of a and b.
-    let by = if wide {
-        [(out - round * turn) * 2.0, round * (2.0 * FRAC_PI_4)]
+    let (a, b) = if wide {
+        ((out - round * turn) * 2.0, round * (2.0 * FRAC_PI_4))
     } else {
-        [round * (-2.0 * FRAC_PI_4), (out + round * turn) * 2.0]
+        (round * (-2.0 * FRAC_PI_4), (out + round * turn) * 2.0)
+    };
+    let by = VectorPair {
+        x: DVec2::new(a.x, b.x),
+        y: DVec2::new(a.y, b.y),
+        z: DVec2::ZERO,
     };
     Mapped { at: out * r, by }
 }
@@ -73,7 +78,10 @@ pub fn cosine_hemisphere_mapped(u: [f64; 2]) -> Mapped<DVec3> {
     let z = (1.0 - p.at.length_squared()).max(0.0).sqrt();
     Mapped {
         at: p.at.extend(z),
-        by: p.by.map(|d| d.extend(-p.at.dot(d) / z)),
+        by: VectorPair {
+            z: (p.by.x * p.at.x + p.by.y * p.at.y) * (-1.0 / z),
+            ..p.by
+        },
     }
 }
 
@@ -116,12 +124,15 @@ pub fn cone_mapped(u: [f64; 2], q: f64) -> (Mapped<DVec3>, DVec3) {
     // sin^2 = w (2 - w); scaled so that (x, y) = p sin / r without a division.
     let k = (q * rest).sqrt();
     // k^2 = q (2 - q r^2), so 2 k dk = (rest - w) dq - q^2 d(r^2).
-    let by = p.by.map(|d| {
-        let dr2 = 2.0 * p.at.dot(d);
-        let dk = -0.5 * q * q * dr2 / k;
-        (d * k + p.at * dk).extend(-q * dr2)
-    });
-    let by_q = (p.at * (0.5 * (rest - w) / k)).extend(-r2);
+    let half = 0.5 / k;
+    let dr2 = (p.by.x * p.at.x + p.by.y * p.at.y) * 2.0;
+    let dk = dr2 * (-q * q * half);
+    let by = VectorPair {
+        x: p.by.x * k + dk * p.at.x,
+        y: p.by.y * k + dk * p.at.y,
+        z: dr2 * -q,
+    };
+    let by_q = (p.at * ((rest - w) * half)).extend(-r2);
     let at = (p.at * k).extend(1.0 - w);
     (Mapped { at, by }, by_q)
 }
@@ -153,7 +164,7 @@ mod tests {
     fn assert_derivatives(f: impl Fn([f64; 2]) -> Mapped<DVec3>, what: &str) {
         const H: f64 = 1e-5;
         for u in points() {
-            let by = f(u).by;
+            let by = f(u).by.to_array();
             for j in 0..2 {
                 let moved = |h: f64| {
                     let mut v = u;
@@ -173,7 +184,7 @@ mod tests {
             let d = disc_mapped(u);
             Mapped {
                 at: d.at.extend(0.0),
-                by: d.by.map(|v| v.extend(0.0)),
+                by: d.by,
             }
         };
         assert_derivatives(flat, "disc");
@@ -195,23 +206,27 @@ mod tests {
         }
     }
 
+    /// Of the parallelogram with these sides.
+    fn area_of(by: VectorPair) -> f64 {
+        let [a, b] = by.to_array();
+        a.cross(b).length()
+    }
+
     /// The area of the image of a cell is one over the pdf.
     #[test]
     fn areas_are_inverse_densities() {
         for u in points() {
-            let d = disc_mapped(u).by;
-            let area = d[0].perp_dot(d[1]).abs();
+            let area = area_of(disc_mapped(u).by);
             assert!((area / std::f64::consts::PI - 1.0).abs() < 1e-12, "disc");
             for q in [1e-9, 0.1, 1.9] {
-                let c = cone_mapped(u, q).0.by;
-                let area = c[0].cross(c[1]).length() * cone_pdf(q);
+                let area = area_of(cone_mapped(u, q).0.by) * cone_pdf(q);
                 assert!((area - 1.0).abs() < 1e-10, "cone {q}: {area}");
             }
             let h = cosine_hemisphere_mapped(u);
-            let area = h.by[0].cross(h.by[1]).length() * cosine_hemisphere_pdf(h.at.z);
+            let area = area_of(h.by) * cosine_hemisphere_pdf(h.at.z);
             assert!((area - 1.0).abs() < 1e-10, "hemisphere: {area}");
         }
-        let d = disc_mapped([0.5; 2]).by;
-        assert_eq!(d[0].perp_dot(d[1]).abs(), std::f64::consts::PI, "centre");
+        let centre = area_of(disc_mapped([0.5; 2]).by);
+        assert_eq!(centre, std::f64::consts::PI, "centre");
     }
 }

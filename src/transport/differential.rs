@@ -7,7 +7,7 @@
 
 use glam::DVec3;
 
-use crate::geometry::Turning;
+use crate::{geometry::Turning, numeric::VectorPair};
 
 /// Pairs of coordinates that a path can depend on: a direction, a point on the
 /// light, the direction of a diffuse bounce.
@@ -18,9 +18,9 @@ pub const MAX_PAIRS: usize = 3;
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Pair {
     /// Change of the ray's origin, metres for the whole range of a coordinate.
-    pub dp: [DVec3; 2],
+    pub dp: VectorPair,
     /// Change of its unit direction, perpendicular to it.
-    pub dd: [DVec3; 2],
+    pub dd: VectorPair,
 }
 
 /// How a ray changed its direction at a surface; what the derivatives of the
@@ -125,10 +125,8 @@ impl Differential {
     pub fn transfer(&mut self, d: DVec3, t: f64, ng: DVec3) {
         let along = d / d.dot(ng);
         for pair in self.pairs_mut() {
-            for (dp, dd) in pair.dp.iter_mut().zip(&pair.dd) {
-                let v = *dp + *dd * t;
-                *dp = v - along * v.dot(ng);
-            }
+            let v = pair.dp + pair.dd * t;
+            pair.dp = v - VectorPair::along(along, v.dot(ng));
         }
     }
 
@@ -137,21 +135,15 @@ impl Differential {
     /// transferred to the surface.
     #[inline]
     pub fn bend(&mut self, d: DVec3, bend: &Bend, turning: &Turning) {
-        if *bend == Bend::Straight {
-            return;
-        }
-        self.strain(turning);
         match *bend {
             Bend::Straight => {}
             Bend::Mirror { n, turn } => {
                 let c = d.dot(n);
-                for pair in self.pairs_mut() {
-                    for (dp, dd) in pair.dp.iter().zip(&mut pair.dd) {
-                        let dn = turning.of(*dp) * turn;
-                        let dc = dd.dot(n) + d.dot(dn);
-                        *dd -= (n * dc + dn * c) * 2.0;
-                    }
-                }
+                self.turn(turning, |dn, dd| {
+                    let dn = dn * turn;
+                    let dc = dd.dot(n) + dn.dot(d);
+                    dd - (VectorPair::along(n, dc) + dn * c) * 2.0
+                });
             }
             Bend::Refract {
                 n,
@@ -164,39 +156,39 @@ impl Differential {
                 // eta^2 cos_t^2 = cos_i^2 - (1 - eta)(1 + eta).
                 let slope = ci * r * r / cos_t;
                 let k = r * ci - cos_t;
-                for pair in self.pairs_mut() {
-                    for (dp, dd) in pair.dp.iter().zip(&mut pair.dd) {
-                        let dn = turning.of(*dp) * turn;
-                        let dci = -(dd.dot(n) + d.dot(dn));
-                        *dd = *dd * r + n * ((r - slope) * dci) + dn * k;
-                    }
-                }
+                self.turn(turning, |dn, dd| {
+                    let dn = dn * turn;
+                    let dc = dd.dot(n) + dn.dot(d);
+                    dd * r + VectorPair::along(n, dc * (slope - r)) + dn * k
+                });
             }
         }
     }
 
-    /// Books how much of the surface a cell covers.
+    /// Puts new changes of direction in the place of the old ones: a function
+    /// of the change of the normal and the old one. Books how much of the
+    /// surface a cell covers.
     #[inline]
-    fn strain(&mut self, turning: &Turning) {
-        let squared = |dp: DVec3| match turning {
-            Turning::Flat => 0.0,
-            Turning::Facet { size } => dp.length_squared() / (size * size),
-            turning => turning.of(dp).length_squared(),
-        };
-        for (pair, strain) in self.pairs[..self.count].iter().zip(&mut self.strain) {
-            let [a, b] = pair.dp.map(squared);
-            *strain = strain.max(a).max(b);
+    fn turn(&mut self, turning: &Turning, new: impl Fn(VectorPair, VectorPair) -> VectorPair) {
+        for (pair, strain) in self.pairs[..self.count].iter_mut().zip(&mut self.strain) {
+            let dn = turning.of_pair(pair.dp);
+            let squared = match turning {
+                Turning::Facet { size } => pair.dp.length_squared() / (size * size),
+                _ => dn.length_squared(),
+            };
+            *strain = strain.max(squared.x).max(squared.y);
+            pair.dd = new(dn, pair.dd);
         }
     }
 
     /// Goes on from a diffuse surface in a direction drawn anew: what was a
     /// change of direction ends here, and `dd` begins a pair of its own.
-    pub fn restart(&mut self, dd: [DVec3; 2]) {
+    pub fn restart(&mut self, dd: VectorPair) {
         for pair in self.pairs_mut() {
-            pair.dd = [DVec3::ZERO; 2];
+            pair.dd = VectorPair::ZERO;
         }
         self.push(Pair {
-            dp: [DVec3::ZERO; 2],
+            dp: VectorPair::ZERO,
             dd,
         });
     }

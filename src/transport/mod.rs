@@ -17,7 +17,7 @@ pub mod walk;
 pub use differential::{Bend, Differential, Pair};
 pub use direct::{DiffusePoint, LightPicker, direct_light};
 pub use shadow::transmittance;
-pub use specular::{Carried, Lobe, Lobes, lobes};
+pub use specular::{Carried, Lobe, Lobes, Ways, lobes};
 pub use walk::{End, Walker};
 
 use crate::{plan::Plan, scene::Scene};

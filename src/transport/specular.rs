@@ -86,53 +86,287 @@ pub fn lobes(
     d: DVec3,
     carried: Carried,
 ) -> Option<Lobes> {
-    match *material {
-        Material::Mirror { reflectance } => {
-            Some(Lobes::One(mirror(point, d, reflectance, carried)))
+    Some(match Ways::at(material, point, d)? {
+        Ways::Straight => Lobes::One(straight(d, 1.0)),
+        Ways::Back {
+            facing,
+            reflectance,
+        } => Lobes::One(facing.reflected(d, 1.0, carried).dimmed(reflectance)),
+        Ways::Pane {
+            facing,
+            transmittance: t,
+        } => Lobes::Two(
+            facing.reflected(d, 1.0 - t, Carried::Radiance),
+            straight(d, t),
+        ),
+        Ways::Interface { facing, split } => Lobes::Two(
+            facing.reflected(d, split.reflectance, carried),
+            facing.refracted(d, &split, carried),
+        ),
+    })
+}
+
+/// Where light can go at a specular surface, known before either way is worked
+/// out.
+#[derive(Clone, Copy, Debug)]
+pub enum Ways {
+    /// On as before.
+    Straight,
+    /// Back, at a mirror or by total reflection.
+    Back {
+        /// The normals.
+        facing: Facing,
+        /// Fraction of the light reflected.
+        reflectance: Rgb,
+    },
+    /// Reflected by a thin pane, or on as before.
+    Pane {
+        /// The normals.
+        facing: Facing,
+        /// Fraction of the power that passes, between 0 and 1.
+        transmittance: f64,
+    },
+    /// Reflected or refracted.
+    Interface {
+        /// The normals.
+        facing: Facing,
+        /// How much goes either way.
+        split: Split,
+    },
+}
+
+/// How light splits at an interface.
+#[derive(Clone, Copy, Debug)]
+pub struct Split {
+    eta: f64,
+    cos_t: f64,
+    reflectance: f64,
+    transmittance: f64,
+}
+
+impl Ways {
+    /// The ways of light at a point of a specular material; `None` if it is
+    /// not specular.
+    #[inline]
+    pub fn at(material: &Material, point: &SurfacePoint, d: DVec3) -> Option<Self> {
+        Some(match *material {
+            Material::Mirror { reflectance } => Self::Back {
+                facing: Facing::new(point, d),
+                reflectance,
+            },
+            Material::Dielectric { ior, thin: true } => Self::through_pane(point, d, ior),
+            Material::Dielectric {
+                ior: 1.0,
+                thin: false,
+            } => Self::Straight,
+            Material::Dielectric { ior, thin: false } => Self::through_interface(point, d, ior),
+            Material::Diffuse { .. } | Material::Black => return None,
+        })
+    }
+
+    /// The lobe of one way, chosen by its share; the other one is not worked
+    /// out. The random number is asked for only where there is a choice, as in
+    /// [`Lobes::choose`].
+    #[inline]
+    pub fn choose(&self, d: DVec3, carried: Carried, u: impl FnOnce() -> f64) -> Lobe {
+        match self {
+            Self::Straight => straight(d, 1.0),
+            Self::Back {
+                facing,
+                reflectance,
+            } => facing.reflected(d, 1.0, carried).dimmed(*reflectance),
+            Self::Pane {
+                facing,
+                transmittance: t,
+            } => {
+                if u() < 1.0 - t {
+                    facing.reflected(d, 1.0 - t, Carried::Radiance)
+                } else {
+                    straight(d, *t)
+                }
+            }
+            Self::Interface { facing, split } => {
+                if u() < split.reflectance {
+                    facing.reflected(d, split.reflectance, carried)
+                } else {
+                    facing.refracted(d, split, carried)
+                }
+            }
         }
-        Material::Dielectric { ior, thin: true } => Some(pane(point, d, ior)),
-        Material::Dielectric {
-            ior: 1.0,
-            thin: false,
-        } => Some(Lobes::One(straight(d, 1.0))),
-        Material::Dielectric { ior, thin: false } => Some(interface(point, d, ior, carried)),
-        Material::Diffuse { .. } | Material::Black => None,
+    }
+
+    #[inline]
+    fn through_pane(point: &SurfacePoint, d: DVec3, ior: f64) -> Self {
+        let facing = Facing::new(point, d);
+        let transmittance = optics::pane_transmittance(-d.dot(facing.ns), ior);
+        if transmittance >= 1.0 {
+            Self::Straight
+        } else if transmittance <= 0.0 {
+            Self::Back {
+                facing,
+                reflectance: Rgb::WHITE,
+            }
+        } else {
+            Self::Pane {
+                facing,
+                transmittance,
+            }
+        }
+    }
+
+    #[inline]
+    fn through_interface(point: &SurfacePoint, d: DVec3, ior: f64) -> Self {
+        let mut facing = Facing::new(point, d);
+        let eta = if point.ng.dot(d) < 0.0 {
+            ior
+        } else {
+            1.0 / ior
+        };
+        // At most twice: once about the shading normal, and if that would
+        // refract to the near side, about the geometric one.
+        loop {
+            let Facing { ng, ns, .. } = facing;
+            let Interface::Partial {
+                cos_t,
+                reflectance,
+                transmittance,
+            } = optics::fresnel(-d.dot(ns), eta)
+            else {
+                return Self::Back {
+                    facing,
+                    reflectance: Rgb::WHITE,
+                };
+            };
+            if ns != ng && optics::refract(d, ns, eta, cos_t).dot(ng) >= 0.0 {
+                facing = facing.flat();
+                continue;
+            }
+            return Self::Interface {
+                facing,
+                split: Split {
+                    eta,
+                    cos_t,
+                    reflectance,
+                    transmittance,
+                },
+            };
+        }
     }
 }
 
-/// The geometric and the shading normal on the side from which `d` comes. A
-/// shading normal that faces away from `d` is replaced by the geometric one.
-#[inline]
-fn facing(point: &SurfacePoint, d: DVec3) -> (DVec3, DVec3) {
-    let (ng, ns) = if point.ng.dot(d) > 0.0 {
-        (-point.ng, -point.ns)
-    } else {
-        (point.ng, point.ns)
-    };
-    if ns.dot(d) < 0.0 { (ng, ns) } else { (ng, ng) }
+/// The normals of a surface on the side from which light comes.
+#[derive(Clone, Copy, Debug)]
+pub struct Facing {
+    /// Geometric normal.
+    ng: DVec3,
+    /// The normal that decides on directions: the shading normal, or where
+    /// that would not do, the geometric one.
+    ns: DVec3,
+    /// How `ns` follows the surface's shading normal, see [`Bend`].
+    turn: f64,
+    /// How `ng` does.
+    flat_turn: f64,
 }
 
-/// How a normal that a step used follows the shading normal.
-fn turn(point: &SurfacePoint, n: DVec3) -> f64 {
-    if n == point.ns {
-        1.0
-    } else if n == -point.ns {
-        -1.0
-    } else {
-        0.0
+impl Facing {
+    /// A shading normal that faces away from `d` is replaced by the geometric
+    /// one.
+    #[inline]
+    fn new(point: &SurfacePoint, d: DVec3) -> Self {
+        let side = if point.ng.dot(d) > 0.0 { -1.0 } else { 1.0 };
+        let facing = Self {
+            ng: point.ng * side,
+            ns: point.ns * side,
+            turn: side,
+            flat_turn: if point.ng == point.ns { side } else { 0.0 },
+        };
+        if facing.ns.dot(d) < 0.0 {
+            facing
+        } else {
+            facing.flat()
+        }
+    }
+
+    /// The geometric normal in both roles.
+    #[inline]
+    fn flat(self) -> Self {
+        Self {
+            ns: self.ng,
+            turn: self.flat_turn,
+            ..self
+        }
+    }
+
+    /// A reflected lobe; where the shading normal would send it into the
+    /// surface, the geometric normal decides, so that no light is lost at
+    /// silhouettes.
+    #[inline]
+    fn reflected(&self, d: DVec3, share: f64, carried: Carried) -> Lobe {
+        let w = optics::reflect(d, self.ns);
+        let (dir, n, turn, shading) = if w.dot(self.ng) > 0.0 {
+            (w, self.ns, self.turn, self.shading_factor(d, w, carried))
+        } else {
+            (optics::reflect(d, self.ng), self.ng, self.flat_turn, 1.0)
+        };
+        Lobe {
+            dir,
+            share,
+            weight: Rgb::grey(shading),
+            shading,
+            bend: Bend::Mirror { n, turn },
+            index: 1.0,
+        }
+    }
+
+    /// A refracted lobe.
+    #[inline]
+    fn refracted(&self, d: DVec3, split: &Split, carried: Carried) -> Lobe {
+        let Split { eta, cos_t, .. } = *split;
+        let dir = optics::refract(d, self.ns, eta, cos_t);
+        let shading = self.shading_factor(d, dir, carried);
+        let index = match carried {
+            Carried::Radiance => 1.0 / (eta * eta),
+            Carried::Flux => 1.0,
+        };
+        Lobe {
+            dir,
+            share: split.transmittance,
+            // A radiance has no shading factor, a flux no index factor.
+            weight: Rgb::grey(index * shading),
+            shading,
+            bend: Bend::Refract {
+                n: self.ns,
+                turn: self.turn,
+                eta,
+                cos_t,
+            },
+            index,
+        }
+    }
+
+    /// Veach's factor for a light path that arrives along `d` and leaves along
+    /// `w`: `|cos(in, ns) cos(out, ng)| / |cos(in, ng) cos(out, ns)|`.
+    #[inline]
+    fn shading_factor(&self, d: DVec3, w: DVec3, carried: Carried) -> f64 {
+        let Self { ng, ns, .. } = *self;
+        if carried == Carried::Radiance || ng == ns {
+            return 1.0;
+        }
+        let factor = (d.dot(ns) * w.dot(ng) / (d.dot(ng) * w.dot(ns))).abs();
+        // Exactly grazing: no light passes such a point, and 0/0 must not.
+        if factor.is_finite() { factor } else { 0.0 }
     }
 }
 
-/// Veach's factor for a light path that arrives along `d` and leaves along
-/// `w`: `|cos(in, ns) cos(out, ng)| / |cos(in, ng) cos(out, ns)|`.
-#[inline]
-fn shading_factor(ng: DVec3, ns: DVec3, d: DVec3, w: DVec3, carried: Carried) -> f64 {
-    if carried == Carried::Radiance || ng == ns {
-        return 1.0;
+impl Lobe {
+    /// The lobe with a further factor on what is carried.
+    #[inline]
+    fn dimmed(self, reflectance: Rgb) -> Self {
+        Self {
+            weight: self.weight * reflectance,
+            ..self
+        }
     }
-    let factor = (d.dot(ns) * w.dot(ng) / (d.dot(ng) * w.dot(ns))).abs();
-    // Exactly grazing: no light passes such a point, and 0/0 must not.
-    if factor.is_finite() { factor } else { 0.0 }
 }
 
 #[inline]
@@ -144,113 +378,5 @@ fn straight(d: DVec3, share: f64) -> Lobe {
         shading: 1.0,
         bend: Bend::Straight,
         index: 1.0,
-    }
-}
-
-/// A reflected lobe; where the shading normal would send it into the surface,
-/// the geometric normal decides, so that no light is lost at silhouettes.
-#[inline]
-fn reflected(point: &SurfacePoint, ng: DVec3, ns: DVec3, d: DVec3, carried: Carried) -> Lobe {
-    let w = optics::reflect(d, ns);
-    let (w, n, shading) = if w.dot(ng) > 0.0 {
-        (w, ns, shading_factor(ng, ns, d, w, carried))
-    } else {
-        (optics::reflect(d, ng), ng, 1.0)
-    };
-    Lobe {
-        dir: w,
-        share: 1.0,
-        weight: Rgb::grey(shading),
-        shading,
-        bend: Bend::Mirror {
-            n,
-            turn: turn(point, n),
-        },
-        index: 1.0,
-    }
-}
-
-#[inline]
-fn mirror(point: &SurfacePoint, d: DVec3, reflectance: Rgb, carried: Carried) -> Lobe {
-    let (ng, ns) = facing(point, d);
-    let lobe = reflected(point, ng, ns, d, carried);
-    Lobe {
-        weight: lobe.weight * reflectance,
-        ..lobe
-    }
-}
-
-fn pane(point: &SurfacePoint, d: DVec3, ior: f64) -> Lobes {
-    let (ng, ns) = facing(point, d);
-    let t = optics::pane_transmittance(-d.dot(ns), ior);
-    if t >= 1.0 {
-        return Lobes::One(straight(d, 1.0));
-    }
-    // Radiance and flux agree: a pane has the same medium on both sides, and
-    // the straight part has no shading normal.
-    let mirror = reflected(point, ng, ns, d, Carried::Radiance);
-    if t <= 0.0 {
-        return Lobes::One(mirror);
-    }
-    Lobes::Two(
-        Lobe {
-            share: 1.0 - t,
-            ..mirror
-        },
-        straight(d, t),
-    )
-}
-
-#[inline]
-fn interface(point: &SurfacePoint, d: DVec3, ior: f64, carried: Carried) -> Lobes {
-    let (ng, mut ns) = facing(point, d);
-    let eta = if point.ng.dot(d) < 0.0 {
-        ior
-    } else {
-        1.0 / ior
-    };
-    // At most twice: once about the shading normal, and if that would refract
-    // to the near side, about the geometric one.
-    loop {
-        let Interface::Partial {
-            cos_t,
-            reflectance,
-            transmittance,
-        } = optics::fresnel(-d.dot(ns), eta)
-        else {
-            return Lobes::One(reflected(point, ng, ns, d, carried));
-        };
-        let w = optics::refract(d, ns, eta, cos_t);
-        if w.dot(ng) >= 0.0 && ns != ng {
-            ns = ng;
-            continue;
-        }
-        let shading = shading_factor(ng, ns, d, w, carried);
-        let index = match carried {
-            Carried::Radiance => 1.0 / (eta * eta),
-            Carried::Flux => 1.0,
-        };
-        let refracted = Lobe {
-            dir: w,
-            share: transmittance,
-            // A radiance has no shading factor, a flux no index factor.
-            weight: Rgb::grey(index * shading),
-            shading,
-            bend: Bend::Refract {
-                n: ns,
-                turn: turn(point, ns),
-                eta,
-                cos_t,
-            },
-            index,
-        };
-        let mirror = reflected(point, ng, ns, d, carried);
-        return Lobes::Two(
-            Lobe {
-                share: reflectance,
-                ..mirror
-            },
-            refracted,
-        );
     }
 }

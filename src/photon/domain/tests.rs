@@ -140,6 +140,7 @@ fn differentials_are_derivatives() {
     const H: f64 = 1e-5;
     for_all(|name, light, target, u, at| {
         for (k, pair) in at.differential.pairs().iter().enumerate() {
+            let (by_p, by_d) = (pair.dp.to_array(), pair.dd.to_array());
             for j in 0..2 {
                 let moved = |h: f64| {
                     let mut v = u;
@@ -151,7 +152,7 @@ fn differentials_are_derivatives() {
                 let dd = (a.dir - b.dir) / (2.0 * H);
                 // Rounding of the difference: a hundred units at most.
                 let floor = 1e-14 * (1.0 + at.origin.length()) / H;
-                for (got, expected) in [(pair.dp[j], dp), (pair.dd[j], dd)] {
+                for (got, expected) in [(by_p[j], dp), (by_d[j], dd)] {
                     let off = (got - expected).length();
                     assert!(
                         off <= 1e-5 * expected.length() + floor,
@@ -159,7 +160,7 @@ fn differentials_are_derivatives() {
                     );
                 }
                 assert!(
-                    pair.dd[j].dot(at.dir).abs() <= 1e-12 * (1.0 + pair.dd[j].length()),
+                    by_d[j].dot(at.dir).abs() <= 1e-12 * (1.0 + by_d[j].length()),
                     "{name}: a unit vector turns about itself"
                 );
             }
@@ -173,7 +174,10 @@ fn differentials_are_derivatives() {
 #[test]
 fn determinants_are_inverse_densities() {
     for_all(|name, light, target, u, at| {
-        let det = |v: [DVec3; 2]| v[0].cross(v[1]).length();
+        let det = |v: VectorPair| {
+            let [a, b] = v.to_array();
+            a.cross(b).length()
+        };
         let pairs = at.differential.pairs();
         let volume = match light {
             Light::Point(_) | Light::Spot(_) => det(pairs[0].dd),
