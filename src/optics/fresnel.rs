@@ -46,13 +46,15 @@ pub fn fresnel(cos_i: f64, eta: f64) -> Interface {
     }
     let cos_t = (numerator.sqrt() / eta).min(1.0);
     let (ds, dp) = (c + eta * cos_t, eta * c + cos_t);
-    let rs = (c - eta * cos_t) / ds;
-    let rp = (eta * c - cos_t) / dp;
-    let k = 2.0 * eta * c * cos_t;
+    // One division for both: neither is small, for one of the cosines is not.
+    let both = 1.0 / (ds * dp);
+    let (per_s, per_p) = (both * dp, both * ds);
+    let rs = (c - eta * cos_t) * per_s;
+    let rp = (eta * c - cos_t) * per_p;
     Interface::Partial {
         cos_t,
         reflectance: 0.5 * (rs * rs + rp * rp),
-        transmittance: k / (ds * ds) + k / (dp * dp),
+        transmittance: 2.0 * eta * c * cos_t * (per_s * per_s + per_p * per_p),
     }
 }
 

@@ -111,15 +111,15 @@ impl Aim {
         }
     }
 
-    /// A start with its flux and derivatives. `u` chooses the part.
+    /// A start with its flux and derivatives. `u` chooses the part; it is asked
+    /// for only where there is a choice.
+    #[inline]
     pub(super) fn sample(
         &self,
         ctx: &Context<'_>,
-        u: f64,
-        dir: [f64; 2],
-        point: [f64; 2],
+        u: impl FnOnce() -> f64,
+        even: [f64; GUIDE_DIMENSIONS],
     ) -> Launch {
-        let even = [dir[0], dir[1], point[0], point[1]];
         let Some(choice) = &self.choice else {
             return Launch {
                 ray: Ray::new(DVec3::ZERO, DVec3::Z),
@@ -129,7 +129,7 @@ impl Aim {
                 at: even,
             };
         };
-        let (k, _) = choice.sample(u);
+        let k = choice.choose(u);
         let chance = choice.probability(k);
         let guided = match &self.guides[k] {
             Some(guide) => guide.warp(even),

@@ -12,8 +12,12 @@ use crate::{
 use super::{Aim, Origin};
 
 /// Coordinates of a stream that an emission may use; the bounces come after.
-/// Direction first: the first two dimensions of the sequence are its best.
+/// Direction first: the first two dimensions of the sequence are its best. Then
+/// the point on the light, the choice of the light and that of its target.
 pub(super) const DIMENSIONS: u32 = 6;
+
+/// The coordinate that chooses a target.
+const TARGET: u32 = 5;
 
 /// The start of a photon path.
 #[derive(Clone, Copy, Debug)]
@@ -71,11 +75,10 @@ impl Emitter {
 
     /// [`emit`](Self::emit), and where in the emission the start lies.
     pub(super) fn emit_from(&self, ctx: &Context<'_>, stream: &mut Stream) -> (Emission, Origin) {
-        let direction = stream.next_2d();
-        let point = stream.next_2d();
-        let (light, _) = self.choice.sample(stream.next_1d());
-        let target = stream.next_1d();
-        let launch = self.aims[light].sample(ctx, target, direction, point);
+        let even = stream.first_4d();
+        let light = self.choice.choose(|| stream.next_1d());
+        stream.seek(TARGET);
+        let launch = self.aims[light].sample(ctx, || stream.next_1d(), even);
         let chance = self.choice.probability(light);
         let mut differential = launch.differential;
         differential.chance *= chance;

@@ -57,7 +57,8 @@ fn shoot_chunk(
     range: std::ops::Range<u64>,
     paths: f64,
 ) -> (Vec<Photon>, Tally) {
-    let mut photons = Vec::new();
+    // Few paths leave more than one.
+    let mut photons = Vec::with_capacity((range.end - range.start) as usize);
     let mut tally = Tally::new(ctx.scene.lights.len());
     for index in range {
         let mut stream = sequence.at(index);

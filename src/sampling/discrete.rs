@@ -48,6 +48,17 @@ impl Discrete {
         self.cdf[i] - if i == 0 { 0.0 } else { self.cdf[i - 1] }
     }
 
+    /// The item that `u` in `[0, 1)` selects. The number is asked for only
+    /// where there is a choice.
+    #[inline]
+    pub fn choose(&self, u: impl FnOnce() -> f64) -> usize {
+        if self.cdf.len() == 1 {
+            0
+        } else {
+            self.sample(u()).0
+        }
+    }
+
     /// The item that `u` in `[0, 1)` selects, and `u` stretched over the
     /// item's own interval for further use.
     #[inline]

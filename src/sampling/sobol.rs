@@ -15,19 +15,19 @@ pub const DIMENSIONS: usize = 16;
 /// Bits of an index that are looked up together.
 const GROUP: usize = 4;
 
-/// For each dimension and each group of bits of an index, what every value of
-/// the group adds (exclusive or) to the point, with bits reversed. Eight
-/// look-ups a point instead of one for each bit that is set; a path's
-/// dimensions share a few cache lines.
-static GROUPS: [[[u32; 1 << GROUP]; 32 / GROUP]; DIMENSIONS] = groups();
+/// What every value of each group of bits of an index adds (exclusive or) to
+/// the point, with bits reversed, in all dimensions: eight look-ups instead of
+/// one for each bit that is set, each in one cache line for a whole path.
+static GROUPS: [[Row; 1 << GROUP]; 32 / GROUP] = groups();
 
-#[allow(
-    clippy::large_stack_arrays,
-    reason = "evaluated when compiling: it is never on a stack"
-)]
-const fn groups() -> [[[u32; 1 << GROUP]; 32 / GROUP]; DIMENSIONS] {
+/// One number for each dimension, in a cache line.
+#[derive(Clone, Copy)]
+#[repr(align(64))]
+struct Row([u32; DIMENSIONS]);
+
+const fn groups() -> [[Row; 1 << GROUP]; 32 / GROUP] {
     let directions = directions();
-    let mut table = [[[0u32; 1 << GROUP]; 32 / GROUP]; DIMENSIONS];
+    let mut table = [[Row([0; DIMENSIONS]); 1 << GROUP]; 32 / GROUP];
     let mut d = 0;
     while d < DIMENSIONS {
         let mut bit = 0;
@@ -35,7 +35,7 @@ const fn groups() -> [[[u32; 1 << GROUP]; 32 / GROUP]; DIMENSIONS] {
             let mut value = 0;
             while value < 1 << GROUP {
                 if value >> (bit % GROUP) & 1 == 1 {
-                    table[d][bit / GROUP][value] ^= directions[d][bit].reverse_bits();
+                    table[bit / GROUP][value].0[d] ^= directions[d][bit].reverse_bits();
                 }
                 value += 1;
             }
@@ -91,8 +91,21 @@ pub fn sobol(index: u32, dimension: usize) -> u32 {
 #[inline]
 fn reversed(index: u32, dimension: usize) -> u32 {
     let mut x = 0;
-    for (k, group) in GROUPS[dimension].iter().enumerate() {
-        x ^= group[(index >> (GROUP * k)) as usize % (1 << GROUP)];
+    for (k, group) in GROUPS.iter().enumerate() {
+        x ^= group[(index >> (GROUP * k)) as usize % (1 << GROUP)].0[dimension];
+    }
+    x
+}
+
+/// [`reversed`] in the first four dimensions at once.
+#[inline]
+fn reversed_4(index: u32) -> [u32; 4] {
+    let mut x = [0; 4];
+    for (k, group) in GROUPS.iter().enumerate() {
+        let row = &group[(index >> (GROUP * k)) as usize % (1 << GROUP)].0;
+        for (x, r) in x.iter_mut().zip(row) {
+            *x ^= r;
+        }
     }
     x
 }
@@ -126,7 +139,20 @@ pub(super) fn shuffled(index: u32, seed: u32) -> u32 {
 /// Owen-scrambled point in `[0, 1)`; equal seeds give equal scramblings.
 #[inline]
 pub fn sobol_owen(index: u32, dimension: usize, seed: u32) -> f64 {
-    f64::from(owen_of_reversed(reversed(index, dimension), seed)) * (1.0 / 4_294_967_296.0)
+    fraction(owen_of_reversed(reversed(index, dimension), seed))
+}
+
+/// [`sobol_owen`] in the first four dimensions, with a seed for each.
+#[inline]
+pub(super) fn sobol_owen_4(index: u32, seeds: [u32; 4]) -> [f64; 4] {
+    let x = reversed_4(index);
+    [0, 1, 2, 3].map(|d| fraction(owen_of_reversed(x[d], seeds[d])))
+}
+
+/// 32 bits as a number in `[0, 1)`.
+#[inline]
+fn fraction(bits: u32) -> f64 {
+    f64::from(bits) * (1.0 / 4_294_967_296.0)
 }
 
 #[cfg(test)]

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use super::{
     DIMENSIONS, mix, mix2,
-    sobol::{shuffled, sobol_owen},
+    sobol::{shuffled, sobol_owen, sobol_owen_4},
 };
 
 /// Coordinates of a stream with low discrepancy; later ones are hashed.
@@ -99,9 +99,7 @@ impl Stream {
         }
         let d = self.dimension;
         self.dimension += 1;
-        let seed = mix(self
-            .key
-            .wrapping_add(u64::from(d).wrapping_mul(0x9e37_79b9_7f4a_7c15)));
+        let seed = self.seed(d);
         if d < LOW_DISCREPANCY {
             let (block, d) = (d as usize / DIMENSIONS, d as usize % DIMENSIONS);
             let index = if block == 0 {
@@ -120,6 +118,25 @@ impl Stream {
     #[inline]
     pub fn next_2d(&mut self) -> [f64; 2] {
         [self.next_1d(), self.next_1d()]
+    }
+
+    /// The first four coordinates, which are found together, whatever was read
+    /// before. The next one is the fifth.
+    #[inline]
+    pub fn first_4d(&mut self) -> [f64; 4] {
+        self.dimension = 4;
+        sobol_owen_4(
+            self.index,
+            [0, 1, 2, 3].map(|d| (self.seed(d) >> 32) as u32),
+        )
+    }
+
+    /// The scrambling of a coordinate.
+    #[inline]
+    fn seed(&self, d: u32) -> u64 {
+        mix(self
+            .key
+            .wrapping_add(u64::from(d).wrapping_mul(0x9e37_79b9_7f4a_7c15)))
     }
 
     /// Continues at coordinate `dimension`, so that a decision made earlier
@@ -165,6 +182,9 @@ mod tests {
             first[99],
             "hashed coordinates are addressed too"
         );
+        b.seek(9);
+        assert_eq!(b.first_4d(), first[..4], "four at once");
+        assert_eq!(b.next_1d(), first[4]);
         let mut window = a.window(3..5, 70);
         for d in [3, 4, 70, 71] {
             assert_eq!(window.next_1d(), first[d], "through a window");
