@@ -9,7 +9,7 @@ use glam::DVec3;
 use super::{
     Aabb, BoundingSphere, Transform, Turning,
     bvh::Bvh,
-    shape::{ShapeHit, ShapePoint, ShearedRay, point_at, triangle_normal},
+    shape::{ShapeHit, ShapePoint, ShearedRay, point_at, sound_normal, triangle_normal},
     transform::unit,
     turning::outer,
 };
@@ -128,7 +128,12 @@ impl TriangleMesh {
 
     #[inline]
     fn corners(&self, triangle: &[u32; 3]) -> [DVec3; 3] {
-        triangle.map(|i| self.positions[i as usize])
+        let [a, b, c] = *triangle;
+        [
+            self.positions[a as usize],
+            self.positions[b as usize],
+            self.positions[c as usize],
+        ]
     }
 
     /// The vertices of a part.
@@ -257,32 +262,46 @@ impl TriangleMesh {
     /// See [`Shape::surface`](super::Shape::surface).
     #[inline]
     pub fn surface(&self, _origin: DVec3, _dir: DVec3, hit: &ShapeHit) -> ShapePoint {
-        let (p, error) = point_at(&self.triangle(hit.part), hit.uv);
-        let (ng, ns) = self.normals(hit.part, hit.uv);
+        let triangle = &self.triangles[hit.part as usize];
+        let corners = self.corners(triangle);
+        let (p, error) = point_at(&corners, hit.uv);
+        let (ng, ns) = self.normals_of(triangle, &corners, hit.uv);
         ShapePoint { p, error, ng, ns }
     }
 
     /// The geometric and the shading normal at a point of a part.
-    #[inline]
     pub(super) fn normals(&self, part: u32, uv: [f64; 2]) -> (DVec3, DVec3) {
         let triangle = &self.triangles[part as usize];
-        let ng = normal_of(&self.corners(triangle));
+        self.normals_of(triangle, &self.corners(triangle), uv)
+    }
+
+    /// [`normals`](Self::normals) of a triangle with these corners.
+    #[inline]
+    fn normals_of(
+        &self,
+        triangle: &[u32; 3],
+        corners: &[DVec3; 3],
+        uv: [f64; 2],
+    ) -> (DVec3, DVec3) {
+        // Degenerate triangles were dropped.
+        let ng = sound_normal(corners);
         let smooth = self
             .corner_normals(triangle, ng)
             .and_then(|n| between(&n, uv).try_normalize());
         (ng, smooth.filter(|ns| ns.dot(ng) > 0.0).unwrap_or(ng))
     }
 
-    /// How the shading normal turns at a point of a part: the derivative of
-    /// the normalised mean of the corners' normals.
-    pub(super) fn turning(&self, part: u32, uv: [f64; 2]) -> Turning {
+    /// How the shading normal turns at a point of a part, whose geometric
+    /// normal is `ng`: the derivative of the normalised mean of the corners'
+    /// normals.
+    pub(super) fn turning(&self, part: u32, uv: [f64; 2], ng: DVec3) -> Turning {
         let triangle = &self.triangles[part as usize];
         let corners = self.corners(triangle);
-        let ng = normal_of(&corners);
         let smooth = self.corner_normals(triangle, ng).and_then(|normals| {
             let mean = between(&normals, uv);
+            let length = mean.length();
             let ns = mean.try_normalize().filter(|ns| ns.dot(ng) > 0.0)?;
-            Some((normals, ns, mean.length()))
+            Some((normals, ns, length))
         });
         let Some(([a, b, c], ns, length)) = smooth else {
             return Turning::of_facet(&corners);
@@ -291,7 +310,7 @@ impl TriangleMesh {
         // direction of that edge matters, so that its length may be anything.
         let (e, f) = (corners[1] - corners[0], corners[2] - corners[0]);
         let gradient = |to: DVec3, opposite: DVec3| {
-            let across = unit(opposite).cross(ng);
+            let across = (opposite / opposite.abs().max_element()).cross(ng);
             across / to.dot(across)
         };
         let turn = |n: DVec3| (n - ns * ns.dot(n)) / length;
@@ -303,10 +322,12 @@ impl TriangleMesh {
     #[inline]
     fn corner_normals(&self, triangle: &[u32; 3], ng: DVec3) -> Option<[DVec3; 3]> {
         let normals = self.normals.as_ref()?;
-        Some(triangle.map(|i| {
+        let [a, b, c] = *triangle;
+        let at = |i: u32| {
             let n = normals[i as usize];
             if n.dot(ng) > 0.0 { n } else { ng }
-        }))
+        };
+        Some([at(a), at(b), at(c)])
     }
 
     /// See [`Shape::bounds`](super::Shape::bounds).
@@ -325,13 +346,6 @@ impl TriangleMesh {
         let margin = transform.point_error(farthest, gamma(16) * farthest.max_element());
         Aabb::around(self.positions.iter().map(|&p| transform.point(p))).padded(margin)
     }
-}
-
-/// The unit normal of a triangle that was kept.
-#[inline]
-fn normal_of(corners: &[DVec3; 3]) -> DVec3 {
-    // Degenerate triangles were dropped; the fallback is never taken.
-    triangle_normal(corners).unwrap_or(DVec3::Z)
 }
 
 /// The mean of the corners' normals. Each is on the side of the geometric

@@ -195,16 +195,22 @@ impl Transform {
 
 /// A vector's direction; scaled by a power of two first, so that squares
 /// neither overflow nor vanish. Zero stays zero.
+#[inline]
 pub(super) fn unit(v: DVec3) -> DVec3 {
     let scale = power_of_two_near(v.abs().max_element());
     (v * (1.0 / scale)).normalize_or_zero()
 }
 
-/// The power of two at or below `x`; 1 for zero and for what is not finite.
-/// Its inverse is finite, too.
+/// The power of two at or below `x`, within 2^1000 and its inverse; 1 for zero
+/// and for what is not finite.
+#[inline]
 pub(super) fn power_of_two_near(x: f64) -> f64 {
+    const LEAST: f64 = f64::from_bits((1023 - 1000) << 52);
+    const MOST: f64 = f64::from_bits((1023 + 1000) << 52);
     if x > 0.0 && x.is_finite() {
-        libm::ldexp(1.0, libm::ilogb(x).clamp(-1000, 1000))
+        // Without its mantissa a float is a power of two, or zero where it
+        // lies below the least normal one.
+        f64::from_bits(x.to_bits() >> 52 << 52).clamp(LEAST, MOST)
     } else {
         1.0
     }
@@ -297,6 +303,22 @@ mod tests {
         }
         let extreme = DAffine3::from_scale(DVec3::new(1e-8, 1.0, 1e8));
         assert!(Transform::new(extreme).is_some(), "extreme but regular");
+    }
+
+    #[test]
+    fn powers_of_two_are_at_or_below() {
+        for k in -1000..1000 {
+            let power = libm::exp2(f64::from(k));
+            for x in [power, power * 1.3, (power * 2.0).next_down()] {
+                assert_eq!(power_of_two_near(x), power, "{x:e}");
+            }
+        }
+        let [least, most] = [-1000.0, 1000.0].map(libm::exp2);
+        assert_eq!(power_of_two_near(5e-324), least);
+        assert_eq!(power_of_two_near(f64::MAX), most);
+        for x in [0.0, -1.0, f64::INFINITY, f64::NAN] {
+            assert_eq!(power_of_two_near(x), 1.0, "{x}");
+        }
     }
 
     #[test]

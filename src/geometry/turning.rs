@@ -8,7 +8,7 @@
 
 use glam::{DMat3, DVec3};
 
-use super::{Hit, Shape, SurfacePoint, Transform, World};
+use super::{Hit, Shape, SurfacePoint, Transform, TriangleMesh, World};
 use crate::numeric::VectorPair;
 
 /// How the shading normal changes from place to place on a surface.
@@ -91,16 +91,22 @@ pub(super) fn outer(a: DVec3, b: DVec3) -> DMat3 {
 
 impl Shape {
     /// How the shading normal turns at a point of a part, in the shape's own
-    /// space; `ns` is the normal there.
+    /// space; `ns` is the normal there, and `ng` the geometric one of a mesh.
     #[inline]
-    fn turning(&self, part: u32, uv: [f64; 2], ns: impl Fn() -> DVec3) -> Turning {
+    fn turning(
+        &self,
+        part: u32,
+        uv: [f64; 2],
+        ng: impl Fn(&TriangleMesh) -> DVec3,
+        ns: impl Fn() -> DVec3,
+    ) -> Turning {
         match self {
             Self::Plane(_) | Self::Quad(_) | Self::Disc(_) | Self::Triangle(_) => Turning::Flat,
             Self::Sphere(s) => Turning::Round {
                 curvature: 1.0 / s.radius(),
             },
             Self::Cylinder(c) => c.turning(part, ns),
-            Self::Mesh(m) => m.turning(part, uv),
+            Self::Mesh(m) => m.turning(part, uv, ng(m)),
         }
     }
 }
@@ -114,9 +120,14 @@ impl World {
         let instance = &self.instances()[hit.surface.instance as usize];
         let (shape, part) = (&instance.shape, hit.surface.part);
         let Some(m) = &instance.transform else {
-            return shape.turning(part, hit.uv, || point.ns);
+            return shape.turning(part, hit.uv, |_| point.ng, || point.ns);
         };
-        let own = shape.turning(part, hit.uv, || m.inverse_normal(point.ns));
+        let own = shape.turning(
+            part,
+            hit.uv,
+            |mesh| mesh.normals(part, hit.uv).0,
+            || m.inverse_normal(point.ns),
+        );
         let Shape::Mesh(mesh) = shape else {
             return own.under(m, point.ns);
         };

@@ -25,7 +25,7 @@ pub use plane::Plane;
 pub use quad::Quad;
 pub use sphere::Sphere;
 pub use triangle::{ShearedRay, Triangle};
-pub(super) use triangle::{point_at, triangle_normal};
+pub(super) use triangle::{point_at, sound_normal, triangle_normal};
 
 use super::{Aabb, BoundingSphere, Transform, TriangleMesh};
 

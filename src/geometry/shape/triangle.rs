@@ -90,20 +90,39 @@ impl Triangle {
 /// The unit normal of a triangle; `None` if it is degenerate: not finite, or
 /// of an area within rounding of zero, so that its normal means nothing.
 pub(in crate::geometry) fn triangle_normal(v: &[DVec3; 3]) -> Option<DVec3> {
-    let (e, f) = (v[1] - v[0], v[2] - v[0]);
-    // Scaled by powers of two, so that products neither overflow nor vanish.
-    let e = e * (1.0 / power_of_two_near(e.abs().max_element()));
-    let f = f * (1.0 / power_of_two_near(f.abs().max_element()));
-    let n = DVec3::new(
-        difference_of_products(e.y, f.z, e.z, f.y),
-        difference_of_products(e.z, f.x, e.x, f.z),
-        difference_of_products(e.x, f.y, e.y, f.x),
-    );
+    let (e, f) = scaled_edges(v);
+    let n = cross(e, f);
     let length = n.length();
     // Each edge has rounded once, which moves the product by up to
     // 2 U |e| |f|, compensation another 2 U.
     let noise = 4.0 * U * e.length() * f.length();
     (length.is_finite() && length > noise).then(|| n / length)
+}
+
+/// [`triangle_normal`] of a triangle that is known to have one.
+#[inline]
+pub(in crate::geometry) fn sound_normal(v: &[DVec3; 3]) -> DVec3 {
+    let (e, f) = scaled_edges(v);
+    let n = cross(e, f);
+    n / n.length()
+}
+
+/// The edges from the first vertex, scaled by powers of two, so that products
+/// neither overflow nor vanish.
+#[inline]
+fn scaled_edges(v: &[DVec3; 3]) -> (DVec3, DVec3) {
+    let scaled = |e: DVec3| e * (1.0 / power_of_two_near(e.abs().max_element()));
+    (scaled(v[1] - v[0]), scaled(v[2] - v[0]))
+}
+
+/// The vector product, compensated.
+#[inline]
+fn cross(e: DVec3, f: DVec3) -> DVec3 {
+    DVec3::new(
+        difference_of_products(e.y, f.z, e.z, f.y),
+        difference_of_products(e.z, f.x, e.x, f.z),
+        difference_of_products(e.x, f.y, e.y, f.x),
+    )
 }
 
 /// The point with barycentric weights `uv`, and its error. The weights are
