@@ -8,7 +8,7 @@ use crate::{
     numeric::U,
     sampling::{Discrete, GUIDE_DIMENSIONS, Guide, Guided, Sequence},
     spectrum::Rgb,
-    transport::{Context, Differential},
+    transport::Context,
 };
 
 use super::domain::{self, Start, Target};
@@ -44,10 +44,12 @@ pub struct Aim {
 
 /// The start of a photon from one light.
 pub(super) struct Launch {
-    pub(super) ray: Ray,
+    /// The point of the light's domain, with its derivatives.
+    pub(super) start: Start,
     /// Emission over density; black if the start does not count.
     pub(super) flux: Rgb,
-    pub(super) differential: Differential,
+    /// Probability of the target.
+    pub(super) chance: f64,
     /// Index of the target.
     pub(super) target: u32,
     /// The sample from which the start was drawn.
@@ -112,23 +114,15 @@ impl Aim {
     }
 
     /// A start with its flux and derivatives. `u` chooses the part; it is asked
-    /// for only where there is a choice.
+    /// for only where there is a choice. `None` if there is no part.
     #[inline]
     pub(super) fn sample(
         &self,
         ctx: &Context<'_>,
         u: impl FnOnce() -> f64,
         even: [f64; GUIDE_DIMENSIONS],
-    ) -> Launch {
-        let Some(choice) = &self.choice else {
-            return Launch {
-                ray: Ray::new(DVec3::ZERO, DVec3::Z),
-                flux: Rgb::BLACK,
-                differential: Differential::new(),
-                target: 0,
-                at: even,
-            };
-        };
+    ) -> Option<Launch> {
+        let choice = self.choice.as_ref()?;
         let k = choice.choose(u);
         let chance = choice.probability(k);
         let guided = match &self.guides[k] {
@@ -143,28 +137,28 @@ impl Aim {
         if let Light::Sun(_) = self.light {
             if let Some(bounds) = ctx.scene.world.bounds() {
                 // Start before everything that is bounded.
-                start = start.before(&bounds.bounding_sphere());
+                start.move_before(&bounds.bounding_sphere());
             }
             shaded = counts && behind_a_plane(ctx, &start);
         }
         let flux = start.emission / (chance * start.own_density);
-        let mut differential = start.differential;
-        differential.chance = chance;
-        Launch {
-            ray: Ray {
-                origin: start.origin,
-                dir: start.dir,
-                leaving: self.body.map(|instance| SurfaceId { instance, part: 0 }),
-            },
+        Some(Launch {
+            start,
             flux: if counts && !shaded && flux.is_finite() {
                 flux
             } else {
                 Rgb::BLACK
             },
-            differential,
+            chance,
             target: k as u32,
             at: guided.at,
-        }
+        })
+    }
+
+    /// The surface on which photons start, if the light has a body.
+    #[inline]
+    pub(super) fn body(&self) -> Option<SurfaceId> {
+        self.body.map(|instance| SurfaceId { instance, part: 0 })
     }
 
     /// Power in W that is not aimed at any caster, and the standard error of

@@ -66,9 +66,9 @@ impl Start {
         self.differential.bound(1, [c, d]);
     }
 
-    /// The start moved back along its line, to where parallel light has met
+    /// Moves back along the start's line, to where parallel light has met
     /// nothing of what lies in the sphere.
-    pub(super) fn before(mut self, all: &BoundingSphere) -> Self {
+    pub(super) fn move_before(&mut self, all: &BoundingSphere) {
         let f = self.origin - all.center;
         let back = f.dot(self.dir) + 2.0 * all.radius;
         for pair in self.differential.pairs_mut() {
@@ -76,7 +76,6 @@ impl Start {
             pair.dp = pair.dp - (pair.dd * back + VectorPair::along(self.dir, further));
         }
         self.origin -= self.dir * back;
-        self
     }
 }
 

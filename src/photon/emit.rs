@@ -2,6 +2,8 @@
 
 use std::f64::consts::PI;
 
+use glam::DVec3;
+
 use crate::{
     geometry::Ray,
     sampling::{Discrete, Purpose, Sequence, Stream},
@@ -78,22 +80,44 @@ impl Emitter {
         let even = stream.first_4d();
         let light = self.choice.choose(|| stream.next_1d());
         stream.seek(TARGET);
-        let launch = self.aims[light].sample(ctx, || stream.next_1d(), even);
-        let chance = self.choice.probability(light);
-        let mut differential = launch.differential;
-        differential.chance *= chance;
-        let emission = Emission {
-            ray: launch.ray,
-            flux: launch.flux / chance,
-            light: light as u32,
-            differential,
+        let aim = &self.aims[light];
+        let launch = aim.sample(ctx, || stream.next_1d(), even);
+        let light_chance = self.choice.probability(light);
+        let light = light as u32;
+        let Some(mut launch) = launch else {
+            return (
+                Emission {
+                    ray: Ray::new(DVec3::ZERO, DVec3::Z),
+                    flux: Rgb::BLACK,
+                    light,
+                    differential: Differential::new(),
+                },
+                Origin {
+                    light,
+                    target: 0,
+                    at: even,
+                },
+            );
         };
-        let origin = Origin {
-            light: light as u32,
-            target: launch.target,
-            at: launch.at,
-        };
-        (emission, origin)
+        launch.start.differential.chance = launch.chance * light_chance;
+        // Built where they are returned: derivatives are large to copy.
+        (
+            Emission {
+                ray: Ray {
+                    origin: launch.start.origin,
+                    dir: launch.start.dir,
+                    leaving: aim.body(),
+                },
+                flux: launch.flux / light_chance,
+                light,
+                differential: launch.start.differential,
+            },
+            Origin {
+                light,
+                target: launch.target,
+                at: launch.at,
+            },
+        )
     }
 
     /// Part of the paths that start from a light towards one of its targets.

@@ -62,9 +62,9 @@ fn shoot_chunk(
     let mut tally = Tally::new(ctx.scene.lights.len());
     for index in range {
         let mut stream = sequence.at(index);
-        let emission = emitter.emit(ctx, &mut stream);
+        let (emission, _) = &emitter.emit_from(ctx, &mut stream);
         let ledger = &mut tally.lights[emission.light as usize];
-        trace(ctx, &emission, paths, &mut stream, ledger, &mut |photon| {
+        trace(ctx, emission, paths, &mut stream, ledger, &mut |photon| {
             photons.push(photon);
         });
     }

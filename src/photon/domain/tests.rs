@@ -91,11 +91,11 @@ const ALL: BoundingSphere = BoundingSphere {
 };
 
 fn start(light: &Light, target: Target, u: [f64; 4]) -> Start {
-    let start = draw(light, target, [u[0], u[1]], [u[2], u[3]]);
-    match light {
-        Light::Sun(_) => start.before(&ALL),
-        _ => start,
+    let mut start = draw(light, target, [u[0], u[1]], [u[2], u[3]]);
+    if let Light::Sun(_) = light {
+        start.move_before(&ALL);
     }
+    start
 }
 
 /// Calls `check` for every light, target and a number of samples away from
