@@ -44,7 +44,7 @@ pub fn fresnel(cos_i: f64, eta: f64) -> Interface {
     if numerator <= 0.0 {
         return Interface::Total;
     }
-    let cos_t = (numerator.sqrt() / eta).min(1.0);
+    let cos_t = (numerator.sqrt() * (1.0 / eta)).min(1.0);
     let (ds, dp) = (c + eta * cos_t, eta * c + cos_t);
     // One division for both: neither is small, for one of the cosines is not.
     let both = 1.0 / (ds * dp);

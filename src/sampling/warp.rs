@@ -31,36 +31,32 @@ pub fn disc(u: [f64; 2]) -> DVec2 {
 #[inline]
 pub fn disc_mapped(u: [f64; 2]) -> Mapped<DVec2> {
     let (a, b) = (2.0 * u[0] - 1.0, 2.0 * u[1] - 1.0);
-    // The radius is the coordinate of larger magnitude, the angle within a
-    // sector is the ratio of the two.
+    // The radius is the coordinate of larger magnitude, the angle from its
+    // axis is the ratio of the two. Which one it is cannot be foreseen: each
+    // number is selected by itself, so that no branch guesses.
     let wide = a.abs() > b.abs();
-    let (r, ratio) = if wide {
-        (a, b / a)
-    } else if b == 0.0 {
-        // The centre: the derivatives are those of one of the sectors.
-        (0.0, 0.0)
-    } else {
-        (b, a / b)
-    };
+    let pick = |if_wide: f64, otherwise: f64| if wide { if_wide } else { otherwise };
+    let (long, short) = (pick(a, b), pick(b, a));
+    // At the centre the derivatives are those of one of the sectors.
+    let ratio = short / if long == 0.0 { 1.0 } else { long };
     let turn = FRAC_PI_4 * ratio;
-    // The angle from the nearer axis, at most an eighth of a turn: sine and
-    // cosine need no reduction there.
+    // At most an eighth of a turn: sine and cosine need no reduction there.
     let (sin, cos) = trig::sin_cos_octant(turn);
-    let (sin, cos) = if wide { (sin, cos) } else { (cos, sin) };
-    let (out, round) = (DVec2::new(cos, sin), DVec2::new(-sin, cos));
-    // r d(phi): pi/4 (db - ratio da), and with the roles changed its negative.
-    // The factor 2 is that of a and b.
-    let (a, b) = if wide {
-        ((out - round * turn) * 2.0, round * (2.0 * FRAC_PI_4))
-    } else {
-        (round * (-2.0 * FRAC_PI_4), (out + round * turn) * 2.0)
-    };
-    let by = VectorPair {
-        x: DVec2::new(a.x, b.x),
-        y: DVec2::new(a.y, b.y),
-        z: DVec2::ZERO,
-    };
-    Mapped { at: out * r, by }
+    // Derivatives by the long and the short coordinate of what lies along
+    // (first) and across the long axis: of r cos and r sin, where
+    // r d(turn) = pi/4 (d(short) - ratio d(long)). The factor 2 is that of a
+    // and b.
+    let along = DVec2::new(2.0 * (cos + sin * turn), -2.0 * FRAC_PI_4 * sin);
+    let across = DVec2::new(2.0 * (sin - cos * turn), 2.0 * FRAC_PI_4 * cos);
+    let (x, y) = (long * cos, long * sin);
+    Mapped {
+        at: DVec2::new(pick(x, y), pick(y, x)),
+        by: VectorPair {
+            x: DVec2::new(pick(along.x, across.y), pick(along.y, across.x)),
+            y: DVec2::new(pick(across.x, along.y), pick(across.y, along.x)),
+            z: DVec2::ZERO,
+        },
+    }
 }
 
 /// A direction around +z with density proportional to its cosine. Pdf per
