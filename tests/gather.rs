@@ -6,7 +6,7 @@ use std::path::Path;
 use glam::DVec3;
 use nephroid::{
     geometry::Ray,
-    photon::{Footprint, Kernels, Photon, PhotonMap, gather},
+    photon::{Footprint, Kernels, Photon, PhotonMap, Vicinity, gather},
     render::Renderer,
     sampling::{Purpose, Sequence},
     scene::{Scene, load_str},
@@ -20,6 +20,7 @@ const KERNELS: Kernels = Kernels {
     most_bounced: 0.2,
     blind: 0.1,
     caustics: true,
+    spacing: 0.0,
 };
 const PATHS: u64 = 1 << 17;
 
@@ -82,7 +83,7 @@ fn beside(scene: &Scene, x: f64) -> [f64; 2] {
         let hit = scene.world.closest(&ray, f64::INFINITY).expect("the floor");
         let point = scene.world.surface(&ray, &hit);
         let at = DiffusePoint::new(point, ray.dir, Rgb::WHITE);
-        let found = gather(&ctx, &map, &at, &KERNELS, (u * 97.0).fract());
+        let found = gather(&ctx, &mut Vicinity::new(&map), &at, &KERNELS, (u * 97.0).fract());
         sums[0] += found.irradiance[0] / f64::from(count);
         sums[1] += found.bounced[0] / f64::from(count);
     }

@@ -41,7 +41,7 @@ const LATER_SHADOW_RAYS: u32 = 1;
 /// ones than the camera resolves bring only noise, in wider ones the
 /// derivatives no longer hold. Light that was reflected after it was a caustic
 /// comes from everywhere: wide kernels of it would meet in every point.
-const LEAST: f64 = 0.125;
+const LEAST: f64 = 0.04;
 const MOST: f64 = 6.0;
 const MOST_BOUNCED: f64 = 2.0;
 
