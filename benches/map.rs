@@ -66,6 +66,7 @@ fn query<const COUNT: u64>(bencher: Bencher, held: u64) {
                     most_bounced: 1.0,
                     blind: 0.0,
                     caustics: true,
+                    spacing: 0.0,
                 };
                 map.irradiance(&query, |_, _| 1.0).irradiance[0]
             })

@@ -83,7 +83,13 @@ fn beside(scene: &Scene, x: f64) -> [f64; 2] {
         let hit = scene.world.closest(&ray, f64::INFINITY).expect("the floor");
         let point = scene.world.surface(&ray, &hit);
         let at = DiffusePoint::new(point, ray.dir, Rgb::WHITE);
-        let found = gather(&ctx, &mut Vicinity::new(&map), &at, &KERNELS, (u * 97.0).fract());
+        let found = gather(
+            &ctx,
+            &mut Vicinity::new(&map),
+            &at,
+            &KERNELS,
+            (u * 97.0).fract(),
+        );
         sums[0] += found.irradiance[0] / f64::from(count);
         sums[1] += found.bounced[0] / f64::from(count);
     }

@@ -55,7 +55,7 @@ impl Start {
     /// nearer, and there only as far as the light's emission goes.
     pub(super) fn stretch(&mut self, guided: &Guided) {
         self.own_density *= guided.density;
-        let [a, b, c, d] = guided.blurred;
+        let [a, b, c, d] = guided.stretch;
         let stretch = [DVec2::new(a, b), DVec2::new(c, d)];
         for (pair, by) in self.differential.pairs_mut().iter_mut().zip(stretch) {
             pair.dp = pair.dp * by;
@@ -64,6 +64,9 @@ impl Start {
         let [a, b, c, d] = guided.room;
         self.differential.bound(0, [a, b]);
         self.differential.bound(1, [c, d]);
+        let [a, b, c, d] = guided.kernel;
+        self.differential.resize(0, [a, b]);
+        self.differential.resize(1, [c, d]);
     }
 
     /// Moves back along the start's line, to where parallel light has met

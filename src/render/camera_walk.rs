@@ -129,7 +129,10 @@ impl<'a> Gather<'a> {
                     material: Material::Diffuse { reflectance },
                 } => {
                     let at = DiffusePoint::new(*point, walker.ray.dir, *reflectance);
-                    self.shade(walker, &at, stream, ends, &mut sample, vicinity, tally);
+                    let found = self.shade(walker, &at, stream, ends, vicinity, tally);
+                    for (sum, layer) in sample.layers.iter_mut().zip(found.layers) {
+                        *sum += layer;
+                    }
                     ends += 1;
                 }
                 End::Escaped | End::Surface { .. } => {
@@ -193,18 +196,17 @@ impl<'a> Gather<'a> {
         walker.throughput * radiance
     }
 
-    /// Adds what a walk from the eye sees at a diffuse point, end `k` of its
-    /// sample.
+    /// What a walk from the eye sees at a diffuse point, end `k` of its sample.
     fn shade(
         &self,
         walker: &Walker,
         at: &DiffusePoint,
         stream: &Stream,
         k: u32,
-        sample: &mut PixelSample,
         vicinity: &mut Option<Vicinity<'_>>,
         tally: &mut CameraTally,
-    ) {
+    ) -> PixelSample {
+        let mut sample = PixelSample::default();
         let mut here = coordinates::shading(stream, k);
         let (bounce, goes_on) = (here.next_2d(), here.next_1d());
         let width = self.footprint.width + self.footprint.spread * walker.length;
@@ -217,7 +219,7 @@ impl<'a> Gather<'a> {
         let direct = direct_light(&self.ctx, at, &mut here, rays);
         sample[Layer::Direct] += walker.throughput * direct;
         if !self.ctx.plan.indirect {
-            return;
+            return sample;
         }
         sample[Layer::Indirect] += walker.throughput * bounced;
         // A path that carries little goes on as seldom.
@@ -231,6 +233,7 @@ impl<'a> Gather<'a> {
             sample[Layer::Indirect] +=
                 self.indirect(path, *at, bounce, &mut beyond, vicinity, tally);
         }
+        sample
     }
 
     /// Reflected radiance of the light in the photon map at a point that the

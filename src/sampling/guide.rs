@@ -9,16 +9,13 @@
 //! probabilities are those of a Pólya tree (M. Lavine, *Some Aspects of Polya
 //! Tree Distributions*, 1992), mixed with a uniform distribution.
 
-use std::{cmp::Ordering, collections::BinaryHeap};
+mod learn;
 
 use super::hash::mix2;
+use learn::grow;
 
 /// Most coordinates of a cube.
 pub const GUIDE_DIMENSIONS: usize = 4;
-
-/// Part of the probability that is spread evenly whatever was learned, so that
-/// what was missed still comes.
-const UNGUIDED: f64 = 0.1;
 
 /// Most cells.
 const MAX_LEAVES: usize = 512;
@@ -31,8 +28,8 @@ const BLUR: f64 = 1.0;
 /// How far around a point stretches are averaged, in widths of its cell.
 const AROUND: f64 = 0.4;
 
-/// Where they are taken, each place for a quarter of the way along every
-/// coordinate.
+/// Where they are taken, in units of that: along every coordinate one place in
+/// the middle of each quarter of the way.
 const PLACES: [[f64; GUIDE_DIMENSIONS]; 4] = [
     [0.75, 0.25, -0.75, -0.25],
     [-0.25, 0.75, 0.25, -0.75],
@@ -46,21 +43,6 @@ const BELOW_ONE: f64 = 1.0 - f64::EPSILON / 2.0;
 /// Samples per cell that must have been seen for as many cells.
 const SAMPLES_PER_LEAF: usize = 4;
 
-/// Most halvings of a cell along one coordinate, and along all together.
-const MAX_DEPTH: [u8; 2] = [10, 16];
-
-/// Samples of mean weight that each half is credited with beyond those seen.
-const PRIOR: f64 = 1.0;
-
-/// Intervals of a cell along a coordinate, compared to decide whether light is
-/// uneven along it. Halves would not show a spot in the middle.
-const BINS: usize = 8;
-
-/// Unevenness, in units of what chance explains on average, above which a cell
-/// is halved. Chance alone exceeds it less than once in a hundred times
-/// (chi-square, 7 degrees of freedom).
-const SIGNIFICANT: f64 = 3.0;
-
 /// A node: a leaf has no halves.
 #[derive(Clone, Copy, Debug)]
 struct Node {
@@ -70,19 +52,34 @@ struct Node {
     dimension: u8,
     /// Probability of the lower half, strictly between 0 and 1.
     low: f64,
+    /// Where the upper half begins.
+    middle: f64,
+    /// Index of a leaf's cell.
+    cell: u32,
 }
 
 const LEAF: Node = Node {
     halves: 0,
     dimension: 0,
     low: 0.5,
+    middle: 0.5,
+    cell: 0,
 };
+
+/// A cell by coordinates.
+#[derive(Clone, Copy, Debug)]
+struct CellShape {
+    width: [f64; GUIDE_DIMENSIONS],
+    /// Width over the probability of the halvings along a coordinate.
+    stretch: [f64; GUIDE_DIMENSIONS],
+}
 
 /// A distribution over the unit cube of up to four dimensions, constant in
 /// each of its cells and nowhere zero.
 #[derive(Clone, Debug)]
 pub struct Guide {
     nodes: Vec<Node>,
+    cells: Vec<CellShape>,
 }
 
 /// A point of a guide's distribution.
@@ -95,12 +92,13 @@ pub struct Guided {
     /// Derivative of each coordinate by that of the even point. Their product
     /// is one over the density.
     pub stretch: [f64; GUIDE_DIMENSIONS],
-    /// The stretches averaged around the point, partly at random. Kernels of
-    /// this size change from cell to cell by degrees: where they change at
-    /// once, there are ripples. All by chance would make light uneven.
-    pub blurred: [f64; GUIDE_DIMENSIONS],
+    /// The mean stretch around the point over that at the point. Kernels that
+    /// are larger by this factor change their size from cell to cell by
+    /// degrees: where it changes at once, there are ripples. Places around the
+    /// point are partly random; wholly random ones would make light uneven.
+    pub kernel: [f64; GUIDE_DIMENSIONS],
     /// How far each coordinate of the point is from the end of the cube, in
-    /// coordinates of an even point with these blurred stretches.
+    /// coordinates of the even point as they are stretched here.
     pub room: [f64; GUIDE_DIMENSIONS],
 }
 
@@ -111,7 +109,7 @@ impl Guided {
             at,
             density: 1.0,
             stretch: [1.0; GUIDE_DIMENSIONS],
-            blurred: [1.0; GUIDE_DIMENSIONS],
+            kernel: [1.0; GUIDE_DIMENSIONS],
             room: at.map(|u| u.min(1.0 - u)),
         }
     }
@@ -137,7 +135,7 @@ impl Guide {
             return None;
         }
         let most = cells.min(samples.len() / SAMPLES_PER_LEAF);
-        let coarse = Self::grow(&found, dimensions, most.min(COARSE_LEAVES), 1.0);
+        let coarse = Self::of(grow(&found, dimensions, most.min(COARSE_LEAVES), 1.0));
         // The border of what matters is known as well as the coarse cells are
         // small; light just beyond it must not come as a rare bright photon.
         let blurred: Vec<Weighed> = (0u32..)
@@ -148,26 +146,34 @@ impl Guide {
                 [Weighed { at, weight }, Weighed { weight, ..*s }]
             })
             .collect();
-        Some(Self::grow(&blurred, dimensions, most.min(MAX_LEAVES), 2.0))
+        let nodes = grow(&blurred, dimensions, most.min(MAX_LEAVES), 2.0);
+        Some(Self::of(nodes))
     }
 
-    /// A tree of at most so many leaves. `copies` of each sample are given.
-    fn grow(samples: &[Weighed], dimensions: usize, leaves: usize, copies: f64) -> Self {
-        let mut order: Vec<&Weighed> = samples.iter().collect();
-        let mut tree = Learning {
-            nodes: vec![LEAF],
-            splits: BinaryHeap::new(),
-            dimensions: dimensions.min(GUIDE_DIMENSIONS),
-            copies,
+    /// The guide of a finished tree.
+    fn of(mut nodes: Vec<Node>) -> Self {
+        let mut cells = Vec::with_capacity(nodes.len().div_ceil(2));
+        let whole = CellShape {
+            width: [1.0; GUIDE_DIMENSIONS],
+            stretch: [1.0; GUIDE_DIMENSIONS],
         };
-        tree.offer(&order, Cell::WHOLE);
-        for _ in 1..leaves {
-            let Some(split) = tree.splits.pop() else {
-                break;
-            };
-            tree.halve(&mut order, &split);
+        let mut open = vec![(0, whole)];
+        while let Some((i, shape)) = open.pop() {
+            let node = &mut nodes[i];
+            if node.halves == 0 {
+                node.cell = cells.len() as u32;
+                cells.push(shape);
+                continue;
+            }
+            let d = usize::from(node.dimension);
+            for (half, p) in [(0, node.low), (1, 1.0 - node.low)] {
+                let mut shape = shape;
+                shape.width[d] *= 0.5;
+                shape.stretch[d] *= 0.5 / p;
+                open.push((node.halves as usize + half, shape));
+            }
         }
-        Self { nodes: tree.nodes }
+        Self { nodes, cells }
     }
 
     /// A point moved by up to the width of its cell along each coordinate,
@@ -175,7 +181,7 @@ impl Guide {
     /// golden ratio of M. Roberts, 2018); reflected at the border.
     fn displaced(&self, at: [f64; GUIDE_DIMENSIONS], i: u32) -> [f64; GUIDE_DIMENSIONS] {
         const RATIO: f64 = 1.0 / 1.167_303_978_261_418_7;
-        let width = self.widths(at);
+        let width = self.cell(at).width;
         let mut alpha = 1.0;
         std::array::from_fn(|d| {
             alpha *= RATIO;
@@ -184,33 +190,15 @@ impl Guide {
         })
     }
 
-    /// The widths of the cell in which a point lies.
-    fn widths(&self, at: [f64; GUIDE_DIMENSIONS]) -> [f64; GUIDE_DIMENSIONS] {
-        self.cell(at).0
-    }
-
-    /// The widths of the cell in which a point lies, and its probability by
-    /// the coordinates along which it was halved.
+    /// The cell in which a point lies.
     #[inline]
-    fn cell(
-        &self,
-        at: [f64; GUIDE_DIMENSIONS],
-    ) -> ([f64; GUIDE_DIMENSIONS], [f64; GUIDE_DIMENSIONS]) {
-        let mut low = [0.0; GUIDE_DIMENSIONS];
-        let mut width = [1.0; GUIDE_DIMENSIONS];
-        let mut chance = [1.0; GUIDE_DIMENSIONS];
+    fn cell(&self, at: [f64; GUIDE_DIMENSIONS]) -> &CellShape {
         let mut node = &self.nodes[0];
         while node.halves != 0 {
-            let d = usize::from(node.dimension);
-            width[d] *= 0.5;
-            let upper = at[d] >= low[d] + width[d];
-            if upper {
-                low[d] += width[d];
-            }
-            chance[d] *= if upper { 1.0 - node.low } else { node.low };
+            let upper = at[usize::from(node.dimension)] >= node.middle;
             node = &self.nodes[node.halves as usize + usize::from(upper)];
         }
-        (width, chance)
+        &self.cells[node.cell as usize]
     }
 
     /// Maps an even point of the cube to a point of the distribution.
@@ -249,14 +237,13 @@ impl Guide {
             let near = std::array::from_fn(|d| {
                 reflected(out.at[d] + AROUND * width[d] * (offsets[d] + 0.5 * jitter[d]))
             });
-            let (width, chance) = self.cell(near);
-            for d in 0..GUIDE_DIMENSIONS {
-                product[d] *= width[d] / chance[d];
+            for (product, stretch) in product.iter_mut().zip(self.cell(near).stretch) {
+                *product *= stretch;
             }
         }
-        for d in 0..GUIDE_DIMENSIONS {
-            out.blurred[d] = product[d].sqrt().sqrt();
-            out.room[d] = out.at[d].min(1.0 - out.at[d]) / out.blurred[d];
+        for (d, product) in product.into_iter().enumerate() {
+            out.kernel[d] = f64::sqrt(product).sqrt() / out.stretch[d];
+            out.room[d] = out.at[d].min(1.0 - out.at[d]) / out.stretch[d];
         }
         out
     }
@@ -273,175 +260,6 @@ fn reflected(x: f64) -> f64 {
     let x = x.abs();
     let inside = if x < 1.0 { x } else { 2.0 - x };
     inside.clamp(0.0, BELOW_ONE)
-}
-
-/// A cell while the tree grows.
-#[derive(Clone, Copy)]
-struct Cell {
-    node: usize,
-    /// Its samples in the common order.
-    first: usize,
-    count: usize,
-    low: [f64; GUIDE_DIMENSIONS],
-    depth: [u8; GUIDE_DIMENSIONS],
-    /// Probability of the cell by what was learned.
-    guided: f64,
-}
-
-impl Cell {
-    const WHOLE: Self = Self {
-        node: 0,
-        first: 0,
-        count: usize::MAX,
-        low: [0.0; GUIDE_DIMENSIONS],
-        depth: [0; GUIDE_DIMENSIONS],
-        guided: 1.0,
-    };
-
-    /// Halvings since the whole cube.
-    fn depth(&self) -> u8 {
-        self.depth.iter().sum()
-    }
-
-    /// Probability of the cell.
-    fn probability(&self) -> f64 {
-        let volume = 0.5f64.powi(i32::from(self.depth()));
-        UNGUIDED * volume + (1.0 - UNGUIDED) * self.guided
-    }
-
-    /// The samples in it.
-    fn of<'a, 'b>(&self, order: &'b mut [&'a Weighed]) -> &'b mut [&'a Weighed] {
-        &mut order[self.first..self.first + self.count]
-    }
-
-    /// Width along a coordinate.
-    fn width(&self, d: usize) -> f64 {
-        0.5f64.powi(i32::from(self.depth[d]))
-    }
-}
-
-/// A cell worth halving along a coordinate. The more uneven ones come first.
-struct Split {
-    gain: f64,
-    dimension: usize,
-    cell: Cell,
-}
-
-impl Ord for Split {
-    fn cmp(&self, other: &Self) -> Ordering {
-        let older = other.cell.node.cmp(&self.cell.node);
-        self.gain.total_cmp(&other.gain).then(older)
-    }
-}
-
-impl PartialOrd for Split {
-    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
-        Some(self.cmp(other))
-    }
-}
-
-impl PartialEq for Split {
-    fn eq(&self, other: &Self) -> bool {
-        self.cmp(other) == Ordering::Equal
-    }
-}
-
-impl Eq for Split {}
-
-/// A tree that grows.
-struct Learning {
-    nodes: Vec<Node>,
-    splits: BinaryHeap<Split>,
-    dimensions: usize,
-    /// Copies of each sample, which are no evidence of their own.
-    copies: f64,
-}
-
-impl Learning {
-    /// Considers halving a cell whose samples are given.
-    fn offer(&mut self, samples: &[&Weighed], mut cell: Cell) {
-        cell.count = samples.len();
-        let [most, most_in_all] = MAX_DEPTH;
-        if cell.depth() >= most_in_all {
-            return;
-        }
-        let (sum, squares) = moments(samples);
-        // A sum of weights has this variance; its root a quarter of it over
-        // the sum, the same for small parts and large ones.
-        let chance = self.copies * squares / (4.0 * sum) * (BINS - 1) as f64;
-        let best = (0..self.dimensions)
-            .filter(|&d| cell.depth[d] < most)
-            .map(|d| (unevenness(samples, &cell, d, sum), d))
-            // The first of equals.
-            .fold((0.0, 0), |best, x| if x.0 > best.0 { x } else { best });
-        let gain = best.0 - SIGNIFICANT * chance;
-        if gain > 0.0 {
-            self.splits.push(Split {
-                gain,
-                dimension: best.1,
-                cell,
-            });
-        }
-    }
-
-    /// Makes two leaves of one.
-    fn halve(&mut self, order: &mut [&Weighed], split: &Split) {
-        let (cell, d) = (&split.cell, split.dimension);
-        let width = 0.5 * cell.width(d);
-        let middle = cell.low[d] + width;
-        let samples = cell.of(order);
-        // Stable: the order of sums must not depend on the sorting.
-        samples.sort_by_key(|s| s.at[d] >= middle);
-        let count = samples.partition_point(|s| s.at[d] < middle);
-        let (sum, squares) = moments(samples);
-        let prior = PRIOR * self.copies * squares / sum;
-        let below = moments(&samples[..count]).0;
-        let share = (below + prior) / (sum + 2.0 * prior);
-        let mut halves = [*cell; 2];
-        let first = self.nodes.len();
-        for (i, half) in halves.iter_mut().enumerate() {
-            half.node = first + i;
-            half.depth[d] += 1;
-        }
-        halves[0].count = count;
-        halves[0].guided *= share;
-        halves[1].first += count;
-        halves[1].count -= count;
-        halves[1].low[d] = middle;
-        halves[1].guided *= 1.0 - share;
-        let [low, high] = halves.map(|h| h.probability());
-        self.nodes[cell.node] = Node {
-            halves: first as u32,
-            dimension: d as u8,
-            low: low / (low + high),
-        };
-        self.nodes.extend([LEAF; 2]);
-        for half in halves {
-            let samples = half.of(order);
-            self.offer(samples, half);
-        }
-    }
-}
-
-/// Sum of the weights and of their squares.
-fn moments(samples: &[&Weighed]) -> (f64, f64) {
-    samples.iter().fold((0.0, 0.0), |(sum, squares), s| {
-        (sum + s.weight, squares + s.weight * s.weight)
-    })
-}
-
-/// How unevenly the weight is spread along a coordinate of a cell: the sum of
-/// the squared differences between the roots of its parts and of its mean.
-fn unevenness(samples: &[&Weighed], cell: &Cell, d: usize, sum: f64) -> f64 {
-    let scale = BINS as f64 / cell.width(d);
-    let mut bins = [0.0; BINS];
-    for s in samples {
-        // `as` saturates at 0.
-        let bin = ((s.at[d] - cell.low[d]) * scale) as usize;
-        bins[bin.min(BINS - 1)] += s.weight;
-    }
-    let mean = (sum / BINS as f64).sqrt();
-    bins.iter().map(|b| (b.sqrt() - mean).powi(2)).sum()
 }
 
 #[cfg(test)]

@@ -57,6 +57,7 @@ pub struct Differential {
     count: usize,
     strain: [f64; MAX_PAIRS],
     room: [[f64; 2]; MAX_PAIRS],
+    kernel: [[f64; 2]; MAX_PAIRS],
     /// Probability of the discrete choices on the path so far: light, target,
     /// lobe, roulette. Neighbours of this path are rarer by this factor.
     pub chance: f64,
@@ -70,6 +71,7 @@ impl Differential {
             count: 0,
             strain: [0.0; MAX_PAIRS],
             room: [[f64::INFINITY; 2]; MAX_PAIRS],
+            kernel: [[1.0; 2]; MAX_PAIRS],
             chance: 1.0,
         }
     }
@@ -96,6 +98,21 @@ impl Differential {
         if let Some(slot) = self.room.get_mut(pair) {
             *slot = room;
         }
+    }
+
+    /// Sets the factors on the size of kernels along a pair's coordinates.
+    #[inline]
+    pub fn resize(&mut self, pair: usize, kernel: [f64; 2]) {
+        if let Some(slot) = self.kernel.get_mut(pair) {
+            *slot = kernel;
+        }
+    }
+
+    /// By what kernels along each pair's coordinates are larger than their
+    /// cell asks for, 1 where nothing was said.
+    #[inline]
+    pub fn kernel(&self) -> &[[f64; 2]] {
+        &self.kernel[..self.count]
     }
 
     /// How far each pair's coordinates are from the end of their range.

@@ -13,6 +13,10 @@ use super::{
 /// machine has.
 pub(super) const LANES: usize = 4;
 
+/// Squared way to a photon over the square of its major semi-axis, beyond which
+/// not even one above the slab reaches the query.
+const FARTHEST: f32 = 1.0 / (1.0 - SLAB * SLAB) + 1e-5;
+
 /// Further than any photon.
 const NOWHERE: f32 = 1e18;
 
@@ -77,8 +81,7 @@ impl Block {
         let (major, minor) = (bounded(self.major), bounded(self.minor));
         let (major2, minor2) = (major * major, minor * minor);
         // Photons that come after each other are near each other: most blocks
-        // hold none that reaches the query, not even with a slab above it.
-        const FARTHEST: f32 = 1.0 / (1.0 - SLAB * SLAB) + 1e-5;
+        // hold none that reaches the query.
         if squared.cmpgt(major2 * FARTHEST).all() {
             return;
         }
