@@ -149,7 +149,8 @@ impl Renderer<'_> {
         let Some(glints) = Glints::new(self.scene) else {
             return vec![false; window.width as usize * window.height as usize];
         };
-        let gather = self.gatherer(None, 0);
+        let mut gather = self.gatherer(None, 0);
+        gather.ctx.max_depth = gather.ctx.max_depth.min(glints::PILOT_DEPTH);
         let (found, _) = window.map(
             || (),
             |px, py, (), _| {

@@ -21,10 +21,10 @@ use super::{
     share::{Probe, Survey},
 };
 
-/// Most photon paths that the program chooses, and fewest pixels to each: more
+/// Most photon paths that the program chooses, in all and for each pixel: more
 /// passes with fewer photons serve as well and see more of the camera's side.
 const MOST_PHOTONS: u64 = 1 << 23;
-const PIXELS_PER_PHOTON: u64 = 2;
+const PHOTONS_PER_PIXEL: u64 = 8;
 
 /// Kernel scale of the first round, in pixel footprints, at which photons have
 /// kernels of their own footprint's size.
@@ -221,7 +221,7 @@ impl<'a> Renderer<'a> {
         let wanted = self.settings.photons.unwrap_or_else(|| {
             self.emitter().map_or(FEWEST_PHOTONS, |emitter| {
                 let pixels = u64::from(self.resolution[0]) * u64::from(self.resolution[1]);
-                let most = (pixels / PIXELS_PER_PHOTON)
+                let most = (pixels * PHOTONS_PER_PIXEL)
                     .next_power_of_two()
                     .clamp(FEWEST_PHOTONS, MOST_PHOTONS);
                 self.survey(emitter).best_paths(FEWEST_PHOTONS, most)
