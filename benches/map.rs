@@ -1,13 +1,19 @@
-//! The photon map: building it, and asking it, beside a plain loop.
+//! The photon map: building it, and asking it, beside a plain loop and a grid.
 //!
 //! Photons lie on a plane, uniform but for a tenth that is crowded into a
 //! hundredth of the area with smaller kernels, as in a caustic. `query` asks at
-//! photon positions where kernels hold so many photons.
+//! photon positions where kernels hold so many photons; `pass` builds and asks
+//! once for every pixel of a picture of the plane (compare with
+//! `RAYON_NUM_THREADS=1`: the grid knows no threads).
+
+#[path = "common/grid.rs"]
+mod grid;
 
 use divan::{Bencher, black_box, counter::ItemsCount};
 use glam::DVec3;
+use grid::Grid;
 use nephroid::{
-    photon::{Footprint, Photon, PhotonMap, Query},
+    photon::{Footprint, Photon, PhotonMap, Query, Vicinity},
     sampling::{Purpose, Sequence},
     spectrum::Rgb,
 };
@@ -57,20 +63,59 @@ fn query<const COUNT: u64>(bencher: Bencher, held: u64) {
         photons
             .iter()
             .step_by(step)
-            .map(|p| {
-                let query = Query {
-                    p: p.position,
-                    n: DVec3::Z,
-                    least: 0.0,
-                    most: 1.0,
-                    most_bounced: 1.0,
-                    blind: 0.0,
-                    caustics: true,
-                    spacing: 0.0,
-                };
-                map.irradiance(&query, |_, _| 1.0).irradiance[0]
-            })
+            .map(|p| map.irradiance(&ask(p.position, 0.0), |_, _| 1.0).irradiance[0])
             .sum::<f64>()
+    });
+}
+
+fn ask(p: DVec3, spacing: f64) -> Query {
+    Query {
+        p,
+        n: DVec3::Z,
+        least: 0.0,
+        most: 1.0,
+        most_bounced: 1.0,
+        blind: 0.0,
+        caustics: true,
+        spacing,
+    }
+}
+
+/// The middles of the pixels of a picture of the plane, tile by tile.
+fn pixels() -> impl Iterator<Item = DVec3> {
+    const TILES: u32 = WIDTH / TILE;
+    let middle = |i: u32| (f64::from(i) + 0.5) / f64::from(WIDTH) - 0.5;
+    (0..WIDTH * WIDTH).map(move |i| {
+        let (tile, i) = (i / (TILE * TILE), i % (TILE * TILE));
+        let x = tile % TILES * TILE + i % TILE;
+        let y = tile / TILES * TILE + i / TILE;
+        DVec3::new(middle(x), middle(y), 0.0)
+    })
+}
+
+const WIDTH: u32 = 200;
+const TILE: u32 = 8;
+
+#[divan::bench(args = [32_768, 131_072], sample_count = 10)]
+fn pass(bencher: Bencher, count: u64) {
+    let photons = photons(count, 16);
+    bencher.bench_local(|| {
+        let map = PhotonMap::new(black_box(&photons), count, 1.0);
+        let mut vicinity = Vicinity::new(&map);
+        let spacing = 1.0 / f64::from(WIDTH);
+        pixels()
+            .map(|p| vicinity.irradiance(&ask(p, spacing), || f64::INFINITY, |_, _| 1.0))
+            .map(|found| found.irradiance[0])
+            .sum::<f64>()
+    });
+}
+
+#[divan::bench(args = [32_768, 131_072], sample_count = 10)]
+fn pass_by_grid(bencher: Bencher, count: u64) {
+    let photons = photons(count, 16);
+    bencher.bench_local(|| {
+        let grid = Grid::new(black_box(&photons));
+        pixels().map(|p| grid.irradiance(p)[0]).sum::<f64>()
     });
 }
 

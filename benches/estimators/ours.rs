@@ -4,7 +4,7 @@ use std::{f64::consts::PI, ops::ControlFlow, path::Path};
 
 use nephroid::{
     film::{Image, Layer},
-    render::{Job, REPLICATES, run},
+    render::{Job, run},
     scene::{Scene, load_str},
 };
 
@@ -14,15 +14,15 @@ use crate::{
     exact::{Case, Reference},
 };
 
-/// Renders anew for every budget, from one round of passes on, until the time
+/// Renders anew for every budget, from one pass on, until the time
 /// is up or the error is at most `enough`. A render is timed whole, from its
 /// preparation to the finished film; reading the scene is not.
 pub(crate) fn ours(case: &Case, reference: &Reference, seconds: f64, enough: f64) -> Series {
     let scene = load_str(&case.text(), case.name, Path::new("")).unwrap_or_else(|e| panic!("{e}"));
     let mut rows = Vec::new();
-    for rounds in doublings(1) {
+    for passes in doublings(1) {
         let clock = Clock::start();
-        let (image, photons) = render(&scene, rounds as u32 * REPLICATES);
+        let (image, photons) = render(&scene, passes as u32);
         let spent = clock.seconds();
         let row = Row::of(&image, reference, photons, spent);
         rows.push(row);

@@ -201,6 +201,26 @@ fn vicinity_changes_no_answer() {
     );
 }
 
+/// A region in which too many photons lie is not kept.
+#[test]
+fn crowded_regions_search_for_every_query() {
+    let photons = floor_photons(20_000, 1.0, |_| (0.0, None));
+    let map = PhotonMap::new(&photons, 1000, 1.0);
+    let mut vicinity = Vicinity::new(&map);
+    for i in 0..20 {
+        let p = DVec3::new(0.001 * f64::from(i), 0.0, 0.0);
+        let q = Query {
+            spacing: 0.5,
+            ..query(p, DVec3::Z, 0.2)
+        };
+        let near = vicinity.irradiance(&q, || 0.0, |_, _| 1.0);
+        let single = ask(&map, &q);
+        assert_eq!(near.irradiance, single.irradiance, "query {i}");
+        // The second query finds out.
+        assert_eq!(near.visited > single.visited, i == 1, "query {i}");
+    }
+}
+
 /// Long ellipses in spans: a query looks at few that do not reach it.
 #[test]
 fn few_candidates_for_each_kernel() {

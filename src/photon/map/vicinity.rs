@@ -7,8 +7,6 @@
 //! closely, each searches for itself. The answer does not depend on which of
 //! the two is done: the photons are summed in the order of their numbers.
 
-use std::mem;
-
 use glam::DVec3;
 
 use crate::spectrum::Rgb;
@@ -29,15 +27,27 @@ const RADIUS: f64 = 6.0;
 /// for which it was searched.
 const SLACK: f32 = 1.2;
 
+/// Most photons of a region: more would take more memory than they are worth.
+const MOST_PHOTONS: usize = 1 << 14;
+
+/// What is known of a region.
+#[derive(Clone, Copy, Debug)]
+enum Known {
+    /// One query has been here.
+    Marked,
+    /// The photons for kernels that are no wider than these.
+    Photons([Search; 2]),
+    /// There are too many photons.
+    Crowded,
+}
+
 /// Where queries were, and perhaps what photons are near.
 #[derive(Debug)]
 struct Region {
     center: DVec3,
     /// In metres; negative where there is no region.
     radius: f64,
-    /// The widest kernels for which the photons were found; `None` where only
-    /// one query has been.
-    bounds: Option<[Search; 2]>,
+    known: Known,
     /// Photons by class, caustics first.
     blocks: Vec<Block>,
     /// Where each class ends.
@@ -61,7 +71,7 @@ impl<'a> Vicinity<'a> {
             regions: std::array::from_fn(|_| Region {
                 center: DVec3::ZERO,
                 radius: -1.0,
-                bounds: None,
+                known: Known::Marked,
                 blocks: Vec::new(),
                 ends: Vec::new(),
             }),
@@ -160,42 +170,30 @@ impl<'a> Vicinity<'a> {
             if p.distance_squared(region.center) > region.radius * region.radius.abs() {
                 continue;
             }
-            let Some(bounds) = &region.bounds else {
-                marked = Some(i);
-                continue;
-            };
-            let serves = |(q, b): (&Search, &Search)| {
-                q.least <= b.least && q.most <= b.most && q.blind <= b.blind
-            };
-            if searches.iter().zip(bounds).all(serves) {
-                return Some(i);
+            match &region.known {
+                Known::Marked => marked = Some(i),
+                Known::Crowded => return None,
+                Known::Photons(bounds) => {
+                    let serves = |(q, b): (&Search, &Search)| {
+                        q.least <= b.least && q.most <= b.most && q.blind <= b.blind
+                    };
+                    if searches.iter().zip(bounds).all(serves) {
+                        return Some(i);
+                    }
+                }
             }
         }
         let i = marked.unwrap_or_else(|| {
             self.oldest = (self.oldest + 1) % REGIONS;
             self.oldest
         });
-        let mut region = mem::replace(
-            &mut self.regions[i],
-            Region {
-                center: p,
-                radius: RADIUS * query.spacing,
-                bounds: None,
-                blocks: Vec::new(),
-                ends: Vec::new(),
-            },
-        );
-        if marked.is_none() {
-            // The memory stays.
-            self.regions[i].blocks = region.blocks;
-            self.regions[i].ends = region.ends;
-            return None;
-        }
+        let region = &mut self.regions[i];
         region.center = p;
         region.radius = RADIUS * query.spacing;
+        region.known = Known::Marked;
+        marked?;
         gathered.visited += region.search(self.map, searches, &mut self.numbers);
-        self.regions[i] = region;
-        Some(i)
+        matches!(region.known, Known::Photons(_)).then_some(i)
     }
 }
 
@@ -217,10 +215,14 @@ impl Region {
         for (c, class) in map.classes().enumerate() {
             let bounds = &bounds[usize::from(c >= map.caustics.len())];
             visited += class.find(self.center, bounds, margin, numbers);
+            if self.blocks.len() * LANES + numbers.len() > MOST_PHOTONS {
+                self.known = Known::Crowded;
+                return visited;
+            }
             self.blocks.extend(Block::pack(class.photons(), numbers));
             self.ends.push(self.blocks.len());
         }
-        self.bounds = Some(bounds);
+        self.known = Known::Photons(bounds);
         visited
     }
 
