@@ -37,9 +37,10 @@ const SHADOW_RAYS: [usize; 2] = [2, 8];
 /// Shadow rays at later diffuse surfaces.
 const LATER_SHADOW_RAYS: u32 = 1;
 
-/// Smallest and largest semi-axes of kernels over the round's scale: narrower
-/// ones than the camera resolves bring only noise, in wider ones the
-/// derivatives no longer hold. Light that was reflected after it was a caustic
+/// Smallest and largest semi-axes of kernels over the round's scale, which
+/// begins with two pixels' footprints: much narrower ones than the camera resolves bring
+/// only noise, but already a quarter of a pixel blurs folds; in wider ones than
+/// the largest the derivatives no longer hold. Light that was reflected after it was a caustic
 /// comes from everywhere: wide kernels of it would meet in every point.
 const LEAST: f64 = 0.04;
 const MOST: f64 = 6.0;
