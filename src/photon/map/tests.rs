@@ -201,6 +201,25 @@ fn vicinity_changes_no_answer() {
     );
 }
 
+/// Queries so far apart that their region has no square in single precision
+/// search for themselves, and lose no light.
+#[test]
+fn vast_regions_lose_no_light() {
+    let map = PhotonMap::new(&floor_photons(1000, 1.0, |_| (0.0, None)), 1000, 1.0);
+    let mut vicinity = Vicinity::new(&map);
+    for spacing in [1e17, 1e19, 1e40, f64::INFINITY] {
+        let q = Query {
+            spacing,
+            ..query(DVec3::ZERO, DVec3::Z, 0.2)
+        };
+        for _ in 0..3 {
+            let found = vicinity.irradiance(&q, || 0.0, |_, _| 1.0);
+            assert!(found.accepted > 0, "spacing {spacing}");
+            assert_eq!(found.irradiance, ask(&map, &q).irradiance, "{spacing}");
+        }
+    }
+}
+
 /// A region in which too many photons lie is not kept.
 #[test]
 fn crowded_regions_search_for_every_query() {

@@ -30,6 +30,9 @@ const SLACK: f32 = 1.2;
 /// Most photons of a region: more would take more memory than they are worth.
 const MOST_PHOTONS: usize = 1 << 14;
 
+/// Largest radius of a region in metres: squares of more leave single precision.
+const LARGEST: f64 = 1e18;
+
 /// What is known of a region.
 #[derive(Clone, Copy, Debug)]
 enum Known {
@@ -105,7 +108,8 @@ impl<'a> Vicinity<'a> {
         let map = self.map;
         let searches = query.searches(map.rotation);
         let p = map.rotation * query.p;
-        let region = (query.spacing > 0.0)
+        let near = query.spacing > 0.0 && RADIUS * query.spacing < LARGEST;
+        let region = near
             .then(|| self.region(p, query, &searches, &mut gathered))
             .flatten();
         let back = map.rotation.transpose();
