@@ -6,7 +6,7 @@ use std::sync::Arc;
 use divan::{Bencher, counter::ItemsCount};
 use glam::{DAffine3, DQuat, DVec3};
 use nephroid::geometry::{
-    Instance, Ray, Shape, Transform, TriangleMesh, World,
+    Instance, Ray, Shape, Surface, Transform, TriangleMesh, World,
     shape::{Cylinder, Disc, Plane, Quad, Sphere, Triangle},
 };
 

@@ -6,7 +6,7 @@ use std::{f64::consts::PI, path::Path, sync::Arc};
 use glam::DVec3;
 use nephroid::{
     camera::Filter,
-    geometry::{Shape, Transform},
+    geometry::{Shape, Surface, Transform},
     light::Light,
     material::Material,
     scene::{Scene, Settings, Summary, load, load_str},

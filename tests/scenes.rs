@@ -10,7 +10,7 @@ use std::{
 use glam::DVec3;
 use nephroid::{
     film::Layer,
-    geometry::{Ray, SurfacePoint},
+    geometry::{Ray, Surface, SurfacePoint},
     light::Source,
     plan::Plan,
     render::{self, Job},

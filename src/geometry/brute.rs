@@ -4,7 +4,7 @@
 use glam::DVec3;
 
 use super::{
-    Hit, Ray, Shape, SurfaceId, TriangleMesh, World,
+    Hit, Ray, Shape, Surface, SurfaceId, TriangleMesh, World,
     shape::{ShapeHit, ShearedRay},
     world::leaving_part,
 };

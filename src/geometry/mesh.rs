@@ -9,7 +9,9 @@ use glam::DVec3;
 use super::{
     Aabb, BoundingSphere, Transform, Turning,
     bvh::Bvh,
-    shape::{ShapeHit, ShapePoint, ShearedRay, point_at, sound_normal, triangle_normal},
+    shape::{
+        Place, ShapeHit, ShapePoint, ShearedRay, Surface, point_at, sound_normal, triangle_normal,
+    },
     transform::unit,
     turning::outer,
 };
@@ -88,11 +90,6 @@ impl TriangleMesh {
         Ok(mesh)
     }
 
-    /// The tree over the triangles.
-    pub(super) fn bvh(&self) -> &Bvh {
-        &self.bvh
-    }
-
     /// Renumbers the vertices in the order of their first use; unused ones
     /// go.
     fn sort_vertices(&mut self) {
@@ -163,12 +160,6 @@ impl TriangleMesh {
         self.normals.is_some()
     }
 
-    /// True if every edge belongs to exactly two triangles that run through
-    /// it in opposite directions; vertices at the same place count as one.
-    pub fn is_closed(&self) -> bool {
-        self.closed
-    }
-
     /// The volume enclosed, in cubic metres: negative if a closed mesh is
     /// wound so that its normals point inward. For an open mesh the number
     /// depends on the place and means nothing.
@@ -179,23 +170,6 @@ impl TriangleMesh {
             a.dot(b.cross(c))
         };
         self.triangles.iter().map(tetrahedron).sum::<f64>() / 6.0
-    }
-
-    /// See [`Shape::intersect`](super::Shape::intersect).
-    #[inline]
-    pub fn intersect(
-        &self,
-        origin: DVec3,
-        dir: DVec3,
-        t_max: f64,
-        leaving: Option<u32>,
-    ) -> Option<ShapeHit> {
-        let ray = ShearedRay::new(origin, dir);
-        match ray.axis() {
-            0 => self.closest_along::<0>(&ray, dir, t_max, leaving),
-            1 => self.closest_along::<1>(&ray, dir, t_max, leaving),
-            _ => self.closest_along::<2>(&ray, dir, t_max, leaving),
-        }
     }
 
     #[inline(never)]
@@ -226,17 +200,6 @@ impl TriangleMesh {
         best
     }
 
-    /// See [`Shape::occludes`](super::Shape::occludes).
-    #[inline]
-    pub fn occludes(&self, origin: DVec3, dir: DVec3, t_max: f64, leaving: Option<u32>) -> bool {
-        let ray = ShearedRay::new(origin, dir);
-        match ray.axis() {
-            0 => self.any_along::<0>(&ray, dir, t_max, leaving),
-            1 => self.any_along::<1>(&ray, dir, t_max, leaving),
-            _ => self.any_along::<2>(&ray, dir, t_max, leaving),
-        }
-    }
-
     #[inline(never)]
     fn any_along<const AXIS: usize>(
         &self,
@@ -257,16 +220,6 @@ impl TriangleMesh {
                             .is_some()
                 })
         })
-    }
-
-    /// See [`Shape::surface`](super::Shape::surface).
-    #[inline]
-    pub fn surface(&self, _origin: DVec3, _dir: DVec3, hit: &ShapeHit) -> ShapePoint {
-        let triangle = &self.triangles[hit.part as usize];
-        let corners = self.corners(triangle);
-        let (p, error) = point_at(&corners, hit.uv);
-        let (ng, ns) = self.normals_of(triangle, &corners, hit.uv);
-        ShapePoint { p, error, ng, ns }
     }
 
     /// The geometric and the shading normal at a point of a part.
@@ -291,12 +244,61 @@ impl TriangleMesh {
         (ng, smooth.filter(|ns| ns.dot(ng) > 0.0).unwrap_or(ng))
     }
 
-    /// How the shading normal turns at a point of a part, whose geometric
-    /// normal is `ng`: the derivative of the normalised mean of the corners'
-    /// normals.
-    pub(super) fn turning(&self, part: u32, uv: [f64; 2], ng: DVec3) -> Turning {
+    /// The normals at the corners, each on the side of `ng` or replaced by
+    /// it; `None` if the mesh has none.
+    #[inline]
+    fn corner_normals(&self, triangle: &[u32; 3], ng: DVec3) -> Option<[DVec3; 3]> {
+        let normals = self.normals.as_ref()?;
+        let [a, b, c] = *triangle;
+        let at = |i: u32| {
+            let n = normals[i as usize];
+            if n.dot(ng) > 0.0 { n } else { ng }
+        };
+        Some([at(a), at(b), at(c)])
+    }
+}
+
+impl Surface for TriangleMesh {
+    #[inline]
+    fn intersect(
+        &self,
+        origin: DVec3,
+        dir: DVec3,
+        t_max: f64,
+        leaving: Option<u32>,
+    ) -> Option<ShapeHit> {
+        let ray = ShearedRay::new(origin, dir);
+        match ray.axis() {
+            0 => self.closest_along::<0>(&ray, dir, t_max, leaving),
+            1 => self.closest_along::<1>(&ray, dir, t_max, leaving),
+            _ => self.closest_along::<2>(&ray, dir, t_max, leaving),
+        }
+    }
+
+    #[inline]
+    fn occludes(&self, origin: DVec3, dir: DVec3, t_max: f64, leaving: Option<u32>) -> bool {
+        let ray = ShearedRay::new(origin, dir);
+        match ray.axis() {
+            0 => self.any_along::<0>(&ray, dir, t_max, leaving),
+            1 => self.any_along::<1>(&ray, dir, t_max, leaving),
+            _ => self.any_along::<2>(&ray, dir, t_max, leaving),
+        }
+    }
+
+    #[inline]
+    fn surface(&self, _origin: DVec3, _dir: DVec3, hit: &ShapeHit) -> ShapePoint {
+        let triangle = &self.triangles[hit.part as usize];
+        let corners = self.corners(triangle);
+        let (p, error) = point_at(&corners, hit.uv);
+        let (ng, ns) = self.normals_of(triangle, &corners, hit.uv);
+        ShapePoint { p, error, ng, ns }
+    }
+
+    /// The derivative of the normalised mean of the corners' normals.
+    fn turning(&self, part: u32, uv: [f64; 2], at: impl Fn() -> Place) -> Turning {
         let triangle = &self.triangles[part as usize];
         let corners = self.corners(triangle);
+        let ng = at().ng;
         let smooth = self.corner_normals(triangle, ng).and_then(|normals| {
             let mean = between(&normals, uv);
             let length = mean.length();
@@ -317,34 +319,37 @@ impl TriangleMesh {
         Turning::General(outer(turn(b - a), gradient(e, f)) + outer(turn(c - a), gradient(f, e)))
     }
 
-    /// The normals at the corners, each on the side of `ng` or replaced by
-    /// it; `None` if the mesh has none.
-    #[inline]
-    fn corner_normals(&self, triangle: &[u32; 3], ng: DVec3) -> Option<[DVec3; 3]> {
-        let normals = self.normals.as_ref()?;
-        let [a, b, c] = *triangle;
-        let at = |i: u32| {
-            let n = normals[i as usize];
-            if n.dot(ng) > 0.0 { n } else { ng }
-        };
-        Some([at(a), at(b), at(c)])
+    fn bounds(&self) -> Option<Aabb> {
+        Some(self.bounds)
     }
 
-    /// See [`Shape::bounds`](super::Shape::bounds).
-    pub fn bounds(&self) -> Aabb {
-        self.bounds
-    }
-
-    /// See [`Shape::bounding_sphere`](super::Shape::bounding_sphere).
-    pub fn bounding_sphere(&self) -> BoundingSphere {
-        self.sphere
+    fn bounding_sphere(&self) -> Option<BoundingSphere> {
+        Some(self.sphere)
     }
 
     /// The world box around the transformed vertices.
-    pub(super) fn bounds_under(&self, transform: &Transform) -> Aabb {
+    fn bounds_under(&self, transform: &Transform) -> Option<Aabb> {
         let farthest = self.bounds.min.abs().max(self.bounds.max.abs());
         let margin = transform.point_error(farthest, gamma(16) * farthest.max_element());
-        Aabb::around(self.positions.iter().map(|&p| transform.point(p))).padded(margin)
+        let corners = self.positions.iter().map(|&p| transform.point(p));
+        Some(Aabb::around(corners).padded(margin))
+    }
+
+    /// True if every edge belongs to exactly two triangles that run through
+    /// it in opposite directions; vertices at the same place count as one.
+    fn is_closed(&self) -> bool {
+        self.closed
+    }
+
+    /// By the boxes of a few neighbouring triangles; infinite if none is
+    /// within reach, and zero if one is within a small part of it.
+    fn distance_bound(&self, p: DVec3, within: f64) -> f64 {
+        if !self.bvh.near(p, within, |_| true) {
+            return f64::INFINITY;
+        }
+        let parts = [0.25, 0.0625, 0.015_625].map(|part| part * within);
+        let clear = |reach: &f64| !self.bvh.near(p, *reach, |_| true);
+        parts.into_iter().find(clear).unwrap_or(0.0)
     }
 }
 

@@ -35,7 +35,7 @@ pub use bounds::{Aabb, BoundingSphere};
 pub use hit::{Hit, SurfacePoint};
 pub use mesh::TriangleMesh;
 pub use ray::{Ray, SurfaceId};
-pub use shape::Shape;
+pub use shape::{Shape, Surface};
 pub use transform::Transform;
 pub use turning::Turning;
 pub use world::{Instance, World};

@@ -6,7 +6,7 @@
 
 use glam::DVec3;
 
-use super::{Instance, Ray, Shape, TriangleMesh, World};
+use super::{Instance, Ray, Surface, World};
 
 impl World {
     /// The instances that `counts` names whose surface may come within
@@ -76,46 +76,6 @@ impl Instance {
     }
 }
 
-impl Shape {
-    /// A lower bound of the distance from `p` to the surface, in the shape's
-    /// own space. Meshes look no further than `within`.
-    pub fn distance_bound(&self, p: DVec3, within: f64) -> f64 {
-        let plane = |point: DVec3, normal: DVec3| (p - point).dot(normal).abs();
-        match self {
-            Self::Plane(s) => plane(s.point(), s.normal()),
-            Self::Quad(s) => plane(s.corner(), s.normal()),
-            Self::Disc(s) => plane(s.center(), s.normal()),
-            Self::Triangle(s) => plane(s.vertices()[0], s.normal()),
-            Self::Sphere(s) => (p.distance(s.center()) - s.radius()).abs(),
-            Self::Cylinder(s) => {
-                let f = p - s.base();
-                let along = f.dot(s.axis());
-                let across = (f - s.axis() * along).length();
-                let side = (across - s.radius()).abs();
-                if s.is_capped() {
-                    side.min(along.abs()).min((along - s.length()).abs())
-                } else {
-                    side
-                }
-            }
-            Self::Mesh(m) => m.distance_bound(p, within),
-        }
-    }
-}
-
-impl TriangleMesh {
-    /// By the boxes of a few neighbouring triangles; infinite if none is
-    /// within reach, and zero if one is within a small part of it.
-    fn distance_bound(&self, p: DVec3, within: f64) -> f64 {
-        if !self.bvh().near(p, within, |_| true) {
-            return f64::INFINITY;
-        }
-        let parts = [0.25, 0.0625, 0.015_625].map(|part| part * within);
-        let clear = |reach: &f64| !self.bvh().near(p, *reach, |_| true);
-        parts.into_iter().find(clear).unwrap_or(0.0)
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use std::sync::Arc;
@@ -125,7 +85,7 @@ mod tests {
     use super::*;
     use crate::{
         geometry::{
-            Ray, Transform,
+            Ray, Shape, Transform, TriangleMesh,
             shape::{Cylinder, Disc, Plane, Quad, Sphere, Triangle},
         },
         sampling::{Purpose, Sequence, warp},

@@ -8,7 +8,7 @@
 
 use glam::{DMat3, DVec3};
 
-use super::{Hit, Shape, SurfacePoint, Transform, TriangleMesh, World};
+use super::{Hit, Shape, Surface, SurfacePoint, Transform, World, shape::Place};
 use crate::numeric::VectorPair;
 
 /// How the shading normal changes from place to place on a surface.
@@ -89,28 +89,6 @@ pub(super) fn outer(a: DVec3, b: DVec3) -> DMat3 {
     DMat3::from_cols(a * b.x, a * b.y, a * b.z)
 }
 
-impl Shape {
-    /// How the shading normal turns at a point of a part, in the shape's own
-    /// space; `ns` is the normal there, and `ng` the geometric one of a mesh.
-    #[inline]
-    fn turning(
-        &self,
-        part: u32,
-        uv: [f64; 2],
-        ng: impl Fn(&TriangleMesh) -> DVec3,
-        ns: impl Fn() -> DVec3,
-    ) -> Turning {
-        match self {
-            Self::Plane(_) | Self::Quad(_) | Self::Disc(_) | Self::Triangle(_) => Turning::Flat,
-            Self::Sphere(s) => Turning::Round {
-                curvature: 1.0 / s.radius(),
-            },
-            Self::Cylinder(c) => c.turning(part, ns),
-            Self::Mesh(m) => m.turning(part, uv, ng(m)),
-        }
-    }
-}
-
 impl World {
     /// How the shading normal `point.ns` turns at a hit, of which `point` is
     /// the [`surface`](Self::surface). It describes the normal as it stands
@@ -120,14 +98,14 @@ impl World {
         let instance = &self.instances()[hit.surface.instance as usize];
         let (shape, part) = (&instance.shape, hit.surface.part);
         let Some(m) = &instance.transform else {
-            return shape.turning(part, hit.uv, |_| point.ng, || point.ns);
+            let (p, ng, ns) = (point.p, point.ng, point.ns);
+            return shape.turning(part, hit.uv, || Place { p, ng, ns });
         };
-        let own = shape.turning(
-            part,
-            hit.uv,
-            |mesh| mesh.normals(part, hit.uv).0,
-            || m.inverse_normal(point.ns),
-        );
+        let own = shape.turning(part, hit.uv, || Place {
+            p: m.inverse_point(point.p),
+            ng: m.inverse_normal(point.ng),
+            ns: m.inverse_normal(point.ns),
+        });
         let Shape::Mesh(mesh) = shape else {
             return own.under(m, point.ns);
         };

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use glam::{DAffine3, DVec3};
-use nephroid::geometry::{Ray, Shape, Transform, TriangleMesh, World};
+use nephroid::geometry::{Ray, Shape, Surface, Transform, TriangleMesh, World};
 
 use crate::scenes::{Random, grid_mesh, single, sphere_mesh};
 

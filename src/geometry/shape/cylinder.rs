@@ -7,7 +7,7 @@
 
 use glam::{DVec2, DVec3};
 
-use super::{ShapeHit, ShapePoint, disc::circle_half_widths, sphere::crossings};
+use super::{Place, ShapeHit, ShapePoint, Surface, disc::circle_half_widths, sphere::crossings};
 use crate::{
     geometry::{Aabb, BoundingSphere, Turning, transform::unit, turning::outer},
     numeric::{Frame, gamma},
@@ -79,55 +79,6 @@ impl Cylinder {
         )
     }
 
-    /// See [`Shape::intersect`](super::Shape::intersect).
-    #[inline]
-    pub fn intersect(
-        &self,
-        origin: DVec3,
-        dir: DVec3,
-        t_max: f64,
-        leaving: Option<u32>,
-    ) -> Option<ShapeHit> {
-        let from = origin - self.base;
-        let (d, dz) = self.split(dir);
-        // A ray from afar first slides to where it passes the centre: the
-        // coefficients are then as small as the cylinder. From the surface
-        // itself it starts where it is, since one root is known there.
-        let slide = if leaving.is_some() {
-            0.0
-        } else {
-            (self.axis * (0.5 * self.length) - from).dot(dir) / dir.length_squared()
-        };
-        let (o, oz) = self.split(from + dir * slide);
-        let side = self.side_interval(o, d, leaving == Some(SIDE));
-        let accept = |part: u32, local: f64| {
-            let t = local + slide;
-            (t > 0.0 && t < t_max).then(|| ShapeHit::on(part, t))
-        };
-        if self.capped {
-            let (near, far) = side?;
-            let ((enter, first), (exit, last)) = self.slab_interval(oz, dz, leaving)?;
-            let (enter, first) = if near > enter {
-                (near, SIDE)
-            } else {
-                (enter, first)
-            };
-            let (exit, last) = if far < exit {
-                (far, SIDE)
-            } else {
-                (exit, last)
-            };
-            if enter > exit {
-                return None;
-            }
-            return accept(first, enter).or_else(|| accept(last, exit));
-        }
-        let (near, far) = side?;
-        let within = |t: f64| (0.0..=self.length).contains(&(oz + dz * t));
-        let visible = |t: f64| within(t).then(|| accept(SIDE, t)).flatten();
-        visible(near).or_else(|| visible(far))
-    }
-
     /// The parameters between which the line runs inside the infinite
     /// cylinder; unbounded if it runs along the axis.
     #[inline]
@@ -179,9 +130,66 @@ impl Cylinder {
         })
     }
 
-    /// See [`Shape::surface`](super::Shape::surface).
+    /// Error of a point formed from cylinder coordinates whose absolute sum
+    /// is `reach`: the frame is about eight roundings from orthonormal and
+    /// from the given axis, the length four, products and sums take four;
+    /// adding the base rounds once more.
+    fn error_of(&self, reach: f64, p: DVec3) -> f64 {
+        gamma(16) * reach + gamma(1) * (self.base.abs().max(p.abs())).max_element()
+    }
+}
+
+impl Surface for Cylinder {
     #[inline]
-    pub fn surface(&self, origin: DVec3, dir: DVec3, hit: &ShapeHit) -> ShapePoint {
+    fn intersect(
+        &self,
+        origin: DVec3,
+        dir: DVec3,
+        t_max: f64,
+        leaving: Option<u32>,
+    ) -> Option<ShapeHit> {
+        let from = origin - self.base;
+        let (d, dz) = self.split(dir);
+        // A ray from afar first slides to where it passes the centre: the
+        // coefficients are then as small as the cylinder. From the surface
+        // itself it starts where it is, since one root is known there.
+        let slide = if leaving.is_some() {
+            0.0
+        } else {
+            (self.axis * (0.5 * self.length) - from).dot(dir) / dir.length_squared()
+        };
+        let (o, oz) = self.split(from + dir * slide);
+        let side = self.side_interval(o, d, leaving == Some(SIDE));
+        let accept = |part: u32, local: f64| {
+            let t = local + slide;
+            (t > 0.0 && t < t_max).then(|| ShapeHit::on(part, t))
+        };
+        if self.capped {
+            let (near, far) = side?;
+            let ((enter, first), (exit, last)) = self.slab_interval(oz, dz, leaving)?;
+            let (enter, first) = if near > enter {
+                (near, SIDE)
+            } else {
+                (enter, first)
+            };
+            let (exit, last) = if far < exit {
+                (far, SIDE)
+            } else {
+                (exit, last)
+            };
+            if enter > exit {
+                return None;
+            }
+            return accept(first, enter).or_else(|| accept(last, exit));
+        }
+        let (near, far) = side?;
+        let within = |t: f64| (0.0..=self.length).contains(&(oz + dz * t));
+        let visible = |t: f64| within(t).then(|| accept(SIDE, t)).flatten();
+        visible(near).or_else(|| visible(far))
+    }
+
+    #[inline]
+    fn surface(&self, origin: DVec3, dir: DVec3, hit: &ShapeHit) -> ShapePoint {
         let (flat, z) = self.split((origin - self.base) + dir * hit.t);
         let (flat, z, ng) = match hit.part {
             BASE => (flat, 0.0, -self.axis),
@@ -206,27 +214,17 @@ impl Cylinder {
         }
     }
 
-    /// How the normal turns: not on the caps, on the side only around the
-    /// axis, by one over the radius. `ns` is the normal there.
     #[inline]
-    pub(in crate::geometry) fn turning(&self, part: u32, ns: impl Fn() -> DVec3) -> Turning {
+    fn turning(&self, part: u32, _uv: [f64; 2], at: impl Fn() -> Place) -> Turning {
         if part != SIDE {
             return Turning::Flat;
         }
-        let around = self.axis.cross(ns());
+        // The side turns only around the axis, by one over the radius.
+        let around = self.axis.cross(at().ns);
         Turning::General(outer(around / self.radius, around))
     }
 
-    /// Error of a point formed from cylinder coordinates whose absolute sum
-    /// is `reach`: the frame is about eight roundings from orthonormal and
-    /// from the given axis, the length four, products and sums take four;
-    /// adding the base rounds once more.
-    fn error_of(&self, reach: f64, p: DVec3) -> f64 {
-        gamma(16) * reach + gamma(1) * (self.base.abs().max(p.abs())).max_element()
-    }
-
-    /// See [`Shape::bounds`](super::Shape::bounds).
-    pub fn bounds(&self) -> Aabb {
+    fn bounds(&self) -> Option<Aabb> {
         let half = circle_half_widths(self.axis) * self.radius;
         let top = self.base + self.axis * self.length;
         let b = Aabb {
@@ -234,19 +232,32 @@ impl Cylinder {
             max: self.base.max(top) + half,
         };
         let reach = 2.0 * self.radius + self.length;
-        b.padded(2.0 * self.error_of(reach, b.min.abs().max(b.max.abs())))
+        Some(b.padded(2.0 * self.error_of(reach, b.min.abs().max(b.max.abs()))))
     }
 
-    /// See [`Shape::bounding_sphere`](super::Shape::bounding_sphere).
-    pub fn bounding_sphere(&self) -> BoundingSphere {
+    fn bounding_sphere(&self) -> Option<BoundingSphere> {
         let half = 0.5 * self.length;
         let center = self.base + self.axis * half;
         let reach = 2.0 * self.radius + self.length;
-        BoundingSphere {
+        Some(BoundingSphere {
             center,
             // Not by `hypot`, whose last bit depends on the platform.
             radius: (self.radius * self.radius + half * half).sqrt() * (1.0 + gamma(3))
                 + 2.0 * self.error_of(reach, center),
+        })
+    }
+
+    fn is_closed(&self) -> bool {
+        self.capped
+    }
+
+    fn distance_bound(&self, p: DVec3, _within: f64) -> f64 {
+        let (across, along) = self.split(p - self.base);
+        let side = (across.length() - self.radius).abs();
+        if self.capped {
+            side.min(along.abs()).min((along - self.length).abs())
+        } else {
+            side
         }
     }
 }

@@ -2,9 +2,9 @@
 
 use glam::DVec3;
 
-use super::{ShapeHit, ShapePoint, plane::drop_onto, plane_crossing};
+use super::{Place, ShapeHit, ShapePoint, Surface, plane::drop_onto, plane_crossing};
 use crate::{
-    geometry::{Aabb, BoundingSphere, transform::unit},
+    geometry::{Aabb, BoundingSphere, Turning, transform::unit},
     numeric::gamma,
 };
 
@@ -41,10 +41,11 @@ impl Disc {
     pub fn radius(&self) -> f64 {
         self.radius
     }
+}
 
-    /// See [`Shape::intersect`](super::Shape::intersect).
+impl Surface for Disc {
     #[inline]
-    pub fn intersect(
+    fn intersect(
         &self,
         origin: DVec3,
         dir: DVec3,
@@ -59,9 +60,8 @@ impl Disc {
         (from.length_squared() <= self.radius * self.radius).then(|| ShapeHit::on(0, t))
     }
 
-    /// See [`Shape::surface`](super::Shape::surface).
     #[inline]
-    pub fn surface(&self, origin: DVec3, dir: DVec3, hit: &ShapeHit) -> ShapePoint {
+    fn surface(&self, origin: DVec3, dir: DVec3, hit: &ShapeHit) -> ShapePoint {
         let (p, error) = drop_onto(self.center, self.normal, origin + dir * hit.t);
         ShapePoint {
             p,
@@ -71,22 +71,33 @@ impl Disc {
         }
     }
 
-    /// See [`Shape::bounds`](super::Shape::bounds).
-    pub fn bounds(&self) -> Aabb {
+    fn bounds(&self) -> Option<Aabb> {
         let half = circle_half_widths(self.normal) * self.radius;
         let b = Aabb {
             min: self.center - half,
             max: self.center + half,
         };
-        b.padded(gamma(20) * (b.max_abs() + 3.0 * self.radius))
+        Some(b.padded(gamma(20) * (b.max_abs() + 3.0 * self.radius)))
     }
 
-    /// See [`Shape::bounding_sphere`](super::Shape::bounding_sphere).
-    pub fn bounding_sphere(&self) -> BoundingSphere {
-        BoundingSphere {
+    fn bounding_sphere(&self) -> Option<BoundingSphere> {
+        Some(BoundingSphere {
             center: self.center,
             radius: self.radius,
-        }
+        })
+    }
+
+    #[inline]
+    fn turning(&self, _part: u32, _uv: [f64; 2], _at: impl Fn() -> Place) -> Turning {
+        Turning::Flat
+    }
+
+    fn is_closed(&self) -> bool {
+        false
+    }
+
+    fn distance_bound(&self, p: DVec3, _within: f64) -> f64 {
+        (p - self.center).dot(self.normal).abs()
     }
 }
 

@@ -27,7 +27,7 @@ pub use sphere::Sphere;
 pub use triangle::{ShearedRay, Triangle};
 pub(super) use triangle::{point_at, sound_normal, triangle_normal};
 
-use super::{Aabb, BoundingSphere, Transform, TriangleMesh};
+use super::{Aabb, BoundingSphere, Transform, TriangleMesh, Turning};
 
 /// Everything that a ray can meet.
 #[derive(Clone, Debug)]
@@ -86,7 +86,69 @@ pub struct ShapePoint {
     pub ns: DVec3,
 }
 
-/// Calls the same method on whichever shape it is.
+/// A place on a shape and its unit normals there, in the shape's own space:
+/// what a hit has turned out to be.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Place {
+    /// Position.
+    pub p: DVec3,
+    /// Geometric normal.
+    pub ng: DVec3,
+    /// Shading normal.
+    pub ns: DVec3,
+}
+
+/// What every shape answers, in its own space. A new shape is one file that
+/// implements this, and one variant of [`Shape`].
+pub trait Surface {
+    /// The nearest hit with `0 < t < t_max`.
+    fn intersect(
+        &self,
+        origin: DVec3,
+        dir: DVec3,
+        t_max: f64,
+        leaving: Option<u32>,
+    ) -> Option<ShapeHit>;
+
+    /// True if there is any hit with `0 < t < t_max`.
+    #[inline]
+    fn occludes(&self, origin: DVec3, dir: DVec3, t_max: f64, leaving: Option<u32>) -> bool {
+        self.intersect(origin, dir, t_max, leaving).is_some()
+    }
+
+    /// The point at a hit that [`intersect`](Self::intersect) has returned
+    /// for the same ray.
+    fn surface(&self, origin: DVec3, dir: DVec3, hit: &ShapeHit) -> ShapePoint;
+
+    /// How the shading normal turns at a point of a part; `at` tells what is
+    /// known of it.
+    fn turning(&self, part: u32, uv: [f64; 2], at: impl Fn() -> Place) -> Turning;
+
+    /// A box around the shape, its rounding error included; `None` if it is
+    /// unbounded.
+    fn bounds(&self) -> Option<Aabb>;
+
+    /// A sphere around the shape, the smallest one where that is easily had;
+    /// `None` if it is unbounded.
+    fn bounding_sphere(&self) -> Option<BoundingSphere> {
+        self.bounds().map(|b| b.bounding_sphere())
+    }
+
+    /// A world box around the transformed shape.
+    fn bounds_under(&self, transform: &Transform) -> Option<Aabb> {
+        self.bounds().map(|b| transform.bounds(&b))
+    }
+
+    /// True if the shape has an inside that no path can enter or leave
+    /// unseen.
+    fn is_closed(&self) -> bool;
+
+    /// A lower bound of the distance from `p` to the surface; it need be
+    /// right only as far as `within`.
+    fn distance_bound(&self, p: DVec3, within: f64) -> f64;
+}
+
+/// Asks the same of whichever shape it is.
 macro_rules! each {
     ($self:expr, $s:ident => $call:expr) => {
         match $self {
@@ -101,14 +163,13 @@ macro_rules! each {
     };
 }
 
-impl Shape {
-    /// The nearest hit with `0 < t < t_max`.
+impl Surface for Shape {
     #[allow(
         clippy::inline_always,
         reason = "so that a hit stays in registers, see `World::nearer`"
     )]
     #[inline(always)]
-    pub fn intersect(
+    fn intersect(
         &self,
         origin: DVec3,
         dir: DVec3,
@@ -118,69 +179,39 @@ impl Shape {
         each!(self, s => s.intersect(origin, dir, t_max, leaving))
     }
 
-    /// True if there is any hit with `0 < t < t_max`.
     #[inline]
-    pub fn occludes(&self, origin: DVec3, dir: DVec3, t_max: f64, leaving: Option<u32>) -> bool {
-        match self {
-            Self::Mesh(m) => m.occludes(origin, dir, t_max, leaving),
-            other => other.intersect(origin, dir, t_max, leaving).is_some(),
-        }
+    fn occludes(&self, origin: DVec3, dir: DVec3, t_max: f64, leaving: Option<u32>) -> bool {
+        each!(self, s => s.occludes(origin, dir, t_max, leaving))
     }
 
-    /// The point at a hit that [`intersect`](Self::intersect) has returned
-    /// for the same ray.
     #[inline]
-    pub fn surface(&self, origin: DVec3, dir: DVec3, hit: &ShapeHit) -> ShapePoint {
+    fn surface(&self, origin: DVec3, dir: DVec3, hit: &ShapeHit) -> ShapePoint {
         each!(self, s => s.surface(origin, dir, hit))
     }
 
-    /// A box around the shape, its rounding error included; `None` if it is
-    /// unbounded.
-    pub fn bounds(&self) -> Option<Aabb> {
-        match self {
-            Self::Plane(_) => None,
-            Self::Quad(s) => Some(s.bounds()),
-            Self::Disc(s) => Some(s.bounds()),
-            Self::Sphere(s) => Some(s.bounds()),
-            Self::Cylinder(s) => Some(s.bounds()),
-            Self::Triangle(s) => Some(s.bounds()),
-            Self::Mesh(s) => Some(s.bounds()),
-        }
+    #[inline]
+    fn turning(&self, part: u32, uv: [f64; 2], at: impl Fn() -> Place) -> Turning {
+        each!(self, s => s.turning(part, uv, at))
     }
 
-    /// A sphere around the shape; `None` if it is unbounded. It is the
-    /// smallest one but for triangles and meshes.
-    pub fn bounding_sphere(&self) -> Option<BoundingSphere> {
-        match self {
-            Self::Plane(_) => None,
-            Self::Quad(s) => Some(s.bounding_sphere()),
-            Self::Disc(s) => Some(s.bounding_sphere()),
-            Self::Sphere(s) => Some(s.bounding_sphere()),
-            Self::Cylinder(s) => Some(s.bounding_sphere()),
-            Self::Triangle(s) => Some(s.bounding_sphere()),
-            Self::Mesh(s) => Some(s.bounding_sphere()),
-        }
+    fn bounds(&self) -> Option<Aabb> {
+        each!(self, s => s.bounds())
     }
 
-    /// A world box around the transformed shape: tight for spheres and
-    /// meshes, the box around the shape's own box for others.
-    pub fn bounds_under(&self, transform: &Transform) -> Option<Aabb> {
-        match self {
-            Self::Sphere(s) => Some(transform.sphere_bounds(&s.bounding_sphere())),
-            Self::Mesh(m) => Some(m.bounds_under(transform)),
-            other => other.bounds().map(|b| transform.bounds(&b)),
-        }
+    fn bounding_sphere(&self) -> Option<BoundingSphere> {
+        each!(self, s => s.bounding_sphere())
     }
 
-    /// True if the shape has an inside that no path can enter or leave
-    /// unseen.
-    pub fn is_closed(&self) -> bool {
-        match self {
-            Self::Sphere(_) => true,
-            Self::Cylinder(c) => c.is_capped(),
-            Self::Mesh(m) => m.is_closed(),
-            Self::Plane(_) | Self::Quad(_) | Self::Disc(_) | Self::Triangle(_) => false,
-        }
+    fn bounds_under(&self, transform: &Transform) -> Option<Aabb> {
+        each!(self, s => s.bounds_under(transform))
+    }
+
+    fn is_closed(&self) -> bool {
+        each!(self, s => s.is_closed())
+    }
+
+    fn distance_bound(&self, p: DVec3, within: f64) -> f64 {
+        each!(self, s => s.distance_bound(p, within))
     }
 }
 

@@ -2,9 +2,9 @@
 
 use glam::DVec3;
 
-use super::{ShapeHit, ShapePoint, plane_crossing};
+use super::{Place, ShapeHit, ShapePoint, Surface, plane_crossing};
 use crate::{
-    geometry::transform::unit,
+    geometry::{Aabb, Turning, transform::unit},
     numeric::{U, gamma},
 };
 
@@ -34,10 +34,11 @@ impl Plane {
     pub fn normal(&self) -> DVec3 {
         self.normal
     }
+}
 
-    /// See [`Shape::intersect`](super::Shape::intersect).
+impl Surface for Plane {
     #[inline]
-    pub fn intersect(
+    fn intersect(
         &self,
         origin: DVec3,
         dir: DVec3,
@@ -50,9 +51,8 @@ impl Plane {
         plane_crossing(self.point, self.normal, origin, dir, t_max).map(|t| ShapeHit::on(0, t))
     }
 
-    /// See [`Shape::surface`](super::Shape::surface).
     #[inline]
-    pub fn surface(&self, origin: DVec3, dir: DVec3, hit: &ShapeHit) -> ShapePoint {
+    fn surface(&self, origin: DVec3, dir: DVec3, hit: &ShapeHit) -> ShapePoint {
         let (p, error) = drop_onto(self.point, self.normal, origin + dir * hit.t);
         ShapePoint {
             p,
@@ -60,6 +60,23 @@ impl Plane {
             ng: self.normal,
             ns: self.normal,
         }
+    }
+
+    #[inline]
+    fn turning(&self, _part: u32, _uv: [f64; 2], _at: impl Fn() -> Place) -> Turning {
+        Turning::Flat
+    }
+
+    fn bounds(&self) -> Option<Aabb> {
+        None
+    }
+
+    fn is_closed(&self) -> bool {
+        false
+    }
+
+    fn distance_bound(&self, p: DVec3, _within: f64) -> f64 {
+        (p - self.point).dot(self.normal).abs()
     }
 }
 

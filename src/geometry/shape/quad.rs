@@ -2,9 +2,9 @@
 
 use glam::DVec3;
 
-use super::{ShapeHit, ShapePoint, plane_crossing};
+use super::{Place, ShapeHit, ShapePoint, Surface, plane_crossing};
 use crate::{
-    geometry::{Aabb, BoundingSphere, transform::unit},
+    geometry::{Aabb, BoundingSphere, Turning, transform::unit},
     numeric::gamma,
 };
 
@@ -59,10 +59,16 @@ impl Quad {
         (self.dual_u.dot(from), self.dual_v.dot(from))
     }
 
-    /// See [`Shape::intersect`](super::Shape::intersect).
+    fn corners(&self) -> [DVec3; 4] {
+        let c = self.corner;
+        [c, c + self.u, c + self.v, c + self.u + self.v]
+    }
+}
+
+impl Surface for Quad {
     #[allow(clippy::inline_always, reason = "as there")]
     #[inline(always)]
-    pub fn intersect(
+    fn intersect(
         &self,
         origin: DVec3,
         dir: DVec3,
@@ -78,9 +84,8 @@ impl Quad {
         inside.then(|| ShapeHit::on(0, t))
     }
 
-    /// See [`Shape::surface`](super::Shape::surface).
     #[inline]
-    pub fn surface(&self, origin: DVec3, dir: DVec3, hit: &ShapeHit) -> ShapePoint {
+    fn surface(&self, origin: DVec3, dir: DVec3, hit: &ShapeHit) -> ShapePoint {
         // Whatever the coordinates' error, the point formed from them lies in
         // the plane: one product and two sums away from it.
         let (a, b) = self.coordinates(origin, dir, hit.t);
@@ -94,25 +99,31 @@ impl Quad {
         }
     }
 
-    fn corners(&self) -> [DVec3; 4] {
-        let c = self.corner;
-        [c, c + self.u, c + self.v, c + self.u + self.v]
-    }
-
-    /// See [`Shape::bounds`](super::Shape::bounds).
-    pub fn bounds(&self) -> Aabb {
+    fn bounds(&self) -> Option<Aabb> {
         let b = Aabb::around(self.corners());
         let reach = self.corner.abs() + self.u.abs() + self.v.abs();
-        b.padded(gamma(8) * reach.max_element())
+        Some(b.padded(gamma(8) * reach.max_element()))
     }
 
-    /// See [`Shape::bounding_sphere`](super::Shape::bounding_sphere).
-    pub fn bounding_sphere(&self) -> BoundingSphere {
+    fn bounding_sphere(&self) -> Option<BoundingSphere> {
         let half = 0.5 * (self.u + self.v).length().max((self.u - self.v).length());
         let reach = self.corner.abs() + self.u.abs() + self.v.abs();
-        BoundingSphere {
+        Some(BoundingSphere {
             center: self.corner + (self.u + self.v) * 0.5,
             radius: half + gamma(8) * reach.max_element(),
-        }
+        })
+    }
+
+    #[inline]
+    fn turning(&self, _part: u32, _uv: [f64; 2], _at: impl Fn() -> Place) -> Turning {
+        Turning::Flat
+    }
+
+    fn is_closed(&self) -> bool {
+        false
+    }
+
+    fn distance_bound(&self, p: DVec3, _within: f64) -> f64 {
+        (p - self.corner).dot(self.normal).abs()
     }
 }

@@ -7,9 +7,9 @@
 
 use glam::DVec3;
 
-use super::{ShapeHit, ShapePoint};
+use super::{Place, ShapeHit, ShapePoint, Surface};
 use crate::{
-    geometry::{Aabb, BoundingSphere},
+    geometry::{Aabb, BoundingSphere, Transform, Turning},
     numeric::{
         U, gamma,
         quadratic::{Roots, quadratic_with_discriminant},
@@ -39,10 +39,17 @@ impl Sphere {
         self.radius
     }
 
-    /// See [`Shape::intersect`](super::Shape::intersect).
+    /// The normal is unit up to a square, two sums, a root and a quotient;
+    /// one more rounding scales it and one adds the centre.
+    fn error(&self) -> f64 {
+        gamma(6) * self.radius + U * (self.center.abs().max_element() + self.radius)
+    }
+}
+
+impl Surface for Sphere {
     #[allow(clippy::inline_always, reason = "as there")]
     #[inline(always)]
-    pub fn intersect(
+    fn intersect(
         &self,
         origin: DVec3,
         dir: DVec3,
@@ -81,9 +88,8 @@ impl Sphere {
         accept(constant_term(start, self.radius) / q).or_else(|| accept(q / a))
     }
 
-    /// See [`Shape::surface`](super::Shape::surface).
     #[inline]
-    pub fn surface(&self, origin: DVec3, dir: DVec3, hit: &ShapeHit) -> ShapePoint {
+    fn surface(&self, origin: DVec3, dir: DVec3, hit: &ShapeHit) -> ShapePoint {
         let ng = ((origin - self.center) + dir * hit.t).normalize();
         ShapePoint {
             p: self.center + ng * self.radius,
@@ -93,27 +99,38 @@ impl Sphere {
         }
     }
 
-    /// The normal is unit up to a square, two sums, a root and a quotient;
-    /// one more rounding scales it and one adds the centre.
-    fn error(&self) -> f64 {
-        gamma(6) * self.radius + U * (self.center.abs().max_element() + self.radius)
-    }
-
-    /// See [`Shape::bounds`](super::Shape::bounds).
-    pub fn bounds(&self) -> Aabb {
-        Aabb {
+    fn bounds(&self) -> Option<Aabb> {
+        let b = Aabb {
             min: self.center - DVec3::splat(self.radius),
             max: self.center + DVec3::splat(self.radius),
-        }
-        .padded(2.0 * self.error())
+        };
+        Some(b.padded(2.0 * self.error()))
     }
 
-    /// See [`Shape::bounding_sphere`](super::Shape::bounding_sphere).
-    pub fn bounding_sphere(&self) -> BoundingSphere {
-        BoundingSphere {
+    fn bounding_sphere(&self) -> Option<BoundingSphere> {
+        Some(BoundingSphere {
             center: self.center,
             radius: self.radius,
+        })
+    }
+
+    #[inline]
+    fn turning(&self, _part: u32, _uv: [f64; 2], _at: impl Fn() -> Place) -> Turning {
+        Turning::Round {
+            curvature: 1.0 / self.radius,
         }
+    }
+
+    fn bounds_under(&self, transform: &Transform) -> Option<Aabb> {
+        self.bounding_sphere().map(|s| transform.sphere_bounds(&s))
+    }
+
+    fn is_closed(&self) -> bool {
+        true
+    }
+
+    fn distance_bound(&self, p: DVec3, _within: f64) -> f64 {
+        (p.distance(self.center) - self.radius).abs()
     }
 }
 

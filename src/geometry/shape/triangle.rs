@@ -10,9 +10,9 @@
 
 use glam::DVec3;
 
-use super::{ShapeHit, ShapePoint};
+use super::{Place, ShapeHit, ShapePoint, Surface};
 use crate::{
-    geometry::{Aabb, BoundingSphere, transform::power_of_two_near},
+    geometry::{Aabb, BoundingSphere, Turning, transform::power_of_two_near},
     numeric::{U, difference_of_products, gamma},
 };
 
@@ -43,10 +43,11 @@ impl Triangle {
     pub fn normal(&self) -> DVec3 {
         self.normal
     }
+}
 
-    /// See [`Shape::intersect`](super::Shape::intersect).
+impl Surface for Triangle {
     #[inline]
-    pub fn intersect(
+    fn intersect(
         &self,
         origin: DVec3,
         dir: DVec3,
@@ -61,9 +62,8 @@ impl Triangle {
             .map(|(t, uv)| ShapeHit { t, part: 0, uv })
     }
 
-    /// See [`Shape::surface`](super::Shape::surface).
     #[inline]
-    pub fn surface(&self, _origin: DVec3, _dir: DVec3, hit: &ShapeHit) -> ShapePoint {
+    fn surface(&self, _origin: DVec3, _dir: DVec3, hit: &ShapeHit) -> ShapePoint {
         let (p, error) = point_at(&self.vertices, hit.uv);
         ShapePoint {
             p,
@@ -73,17 +73,28 @@ impl Triangle {
         }
     }
 
-    /// See [`Shape::bounds`](super::Shape::bounds).
-    pub fn bounds(&self) -> Aabb {
+    fn bounds(&self) -> Option<Aabb> {
         let b = Aabb::around(self.vertices);
-        b.padded(gamma(16) * b.max_abs())
+        Some(b.padded(gamma(16) * b.max_abs()))
     }
 
-    /// See [`Shape::bounding_sphere`](super::Shape::bounding_sphere).
-    pub fn bounding_sphere(&self) -> BoundingSphere {
+    fn bounding_sphere(&self) -> Option<BoundingSphere> {
         let mut sphere = BoundingSphere::around(self.vertices);
-        sphere.radius += gamma(16) * self.bounds().max_abs();
-        sphere
+        sphere.radius += gamma(16) * Aabb::around(self.vertices).max_abs();
+        Some(sphere)
+    }
+
+    #[inline]
+    fn turning(&self, _part: u32, _uv: [f64; 2], _at: impl Fn() -> Place) -> Turning {
+        Turning::Flat
+    }
+
+    fn is_closed(&self) -> bool {
+        false
+    }
+
+    fn distance_bound(&self, p: DVec3, _within: f64) -> f64 {
+        (p - self.vertices[0]).dot(self.normal).abs()
     }
 }
 

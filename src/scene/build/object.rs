@@ -2,11 +2,11 @@
 
 use super::{Builder, BuiltObject};
 use crate::{
-    geometry::{Instance, Shape},
+    geometry::{Instance, Shape, Surface},
     material::Material,
     scene::{
         Object,
-        description::{ObjectDescription, Part, ShapeDescription},
+        description::{ObjectDescription, Part},
         outline::NodeId,
     },
 };
@@ -52,19 +52,10 @@ impl<'d> Builder<'d> {
     /// Glass must enclose its medium, or say that it doesn't.
     fn check_closed(&mut self, node: NodeId, d: &ObjectDescription, shape: &Shape) -> Option<()> {
         let place = self.report.field(node, "shape");
-        let closed = match shape {
-            Shape::Sphere(_) => true,
-            Shape::Mesh(mesh) => mesh.is_closed(),
-            Shape::Cylinder(_) => matches!(
-                d.shape.as_ref().map(|s| &s.value),
-                Some(ShapeDescription::Cylinder(c)) if c.capped
-            ),
-            Shape::Plane(_) | Shape::Quad(_) | Shape::Disc(_) | Shape::Triangle(_) => false,
-        };
         if d.open {
             return Some(());
         }
-        if !closed {
+        if !shape.is_closed() {
             let (label, close) = match shape {
                 Shape::Mesh(mesh) => (super::mesh::describe_opening(mesh), "close the mesh"),
                 Shape::Cylinder(_) => ("a tube without ends".to_owned(), "write `capped: true`"),
