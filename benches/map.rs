@@ -13,7 +13,7 @@ use divan::{Bencher, black_box, counter::ItemsCount};
 use glam::DVec3;
 use grid::Grid;
 use nephroid::{
-    photon::{Footprint, Photon, PhotonMap, Query, Vicinity},
+    photon::{Footprint, Kernels, Photon, PhotonMap, Query, Vicinity},
     sampling::{Purpose, Sequence},
     spectrum::Rgb,
 };
@@ -72,12 +72,14 @@ fn ask(p: DVec3, spacing: f64) -> Query {
     Query {
         p,
         n: DVec3::Z,
-        least: 0.0,
-        most: 1.0,
-        most_bounced: 1.0,
-        blind: 0.0,
-        caustics: true,
-        spacing,
+        kernels: Kernels {
+            least: 0.0,
+            most: 1.0,
+            most_bounced: 1.0,
+            blind: 0.0,
+            caustics: true,
+            spacing,
+        },
     }
 }
 

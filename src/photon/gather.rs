@@ -10,7 +10,7 @@ use crate::{
     transport::{Context, DiffusePoint},
 };
 
-use super::{Ellipse, Gathered, Query, Vicinity};
+use super::{Ellipse, Gathered, Kernels, Query, Vicinity};
 
 /// Directions in which walls around a gather point are looked for.
 const DIRECTIONS: usize = 32;
@@ -18,23 +18,6 @@ const DIRECTIONS: usize = 32;
 /// Smallest share of a kernel that is made up for: in a narrow gap the share
 /// is not known well enough to divide by it.
 const LEAST_SHARE: f64 = 1.0 / 12.0;
-
-/// Kernel sizes of a gather point in metres; see [`Query`].
-#[derive(Clone, Copy, Debug)]
-pub struct Kernels {
-    /// Smallest semi-axis.
-    pub least: f64,
-    /// Largest semi-axis of caustics.
-    pub most: f64,
-    /// Largest semi-axis of light reflected after it was a caustic.
-    pub most_bounced: f64,
-    /// Radius where a photon has no footprint.
-    pub blind: f64,
-    /// Whether caustics are asked for, or only such reflected light.
-    pub caustics: bool,
-    /// Distance to the next gather points; 0 where none is near.
-    pub spacing: f64,
-}
 
 /// Irradiance at a diffuse point by the photons whose kernels reach it, those
 /// behind walls left out, and the kernels' lost parts made up for. `u` in
@@ -53,19 +36,14 @@ pub fn gather(
     let query = Query {
         p: at.point.p,
         n: at.ng,
-        least: kernels.least,
-        most: kernels.most,
-        most_bounced: kernels.most_bounced,
-        blind: kernels.blind,
-        caustics: kernels.caustics,
-        spacing: kernels.spacing,
+        kernels: *kernels,
     };
     if vicinity.map().is_empty() {
         return Gathered::default();
     }
     let world = &ctx.scene.world;
     let own = at.point.surface.instance;
-    let farthest = query.farthest();
+    let farthest = kernels.farthest();
     let is_other_wall = |i: u32| i != own && is_wall(&ctx.scene.objects[i as usize].material);
     // Most points have no photon near, and most photons no wall.
     let surroundings = OnceCell::new();

@@ -32,6 +32,32 @@ pub use vicinity::Vicinity;
 /// a class keeps of it. The `memory` bench measures the peak.
 pub const BYTES_PER_PHOTON: u64 = 2 * size_of::<Photon>() as u64 + 24 + class::BYTES_PER_PHOTON;
 
+/// How wide the kernels are that a gather point asks for, in metres.
+#[derive(Clone, Copy, Debug)]
+pub struct Kernels {
+    /// Smallest semi-axis: kernels narrower than what the camera resolves are
+    /// widened to it.
+    pub least: f64,
+    /// Largest semi-axis of caustics.
+    pub most: f64,
+    /// Largest semi-axis of light reflected after it was a caustic.
+    pub most_bounced: f64,
+    /// Radius where a photon has no footprint.
+    pub blind: f64,
+    /// Whether caustics are asked for, or only such reflected light.
+    pub caustics: bool,
+    /// Distance to the next gather points; 0 where none is near.
+    pub spacing: f64,
+}
+
+impl Kernels {
+    /// No kernel that reaches the point is longer than this.
+    pub fn farthest(&self) -> f64 {
+        let most = if self.caustics { self.most } else { 0.0 };
+        most.max(self.most_bounced).max(self.blind)
+    }
+}
+
 /// What a gather point asks for.
 #[derive(Clone, Copy, Debug)]
 pub struct Query {
@@ -39,27 +65,8 @@ pub struct Query {
     pub p: DVec3,
     /// Unit normal on the side from which it is seen.
     pub n: DVec3,
-    /// Smallest kernel semi-axis, metres: kernels narrower than what the
-    /// camera resolves are widened to it.
-    pub least: f64,
-    /// Largest kernel semi-axis of caustics, metres.
-    pub most: f64,
-    /// Largest kernel semi-axis of light reflected after it was a caustic.
-    pub most_bounced: f64,
-    /// Kernel radius of photons without a footprint, metres.
-    pub blind: f64,
-    /// Whether caustics are asked for, or only such reflected light.
-    pub caustics: bool,
-    /// Distance to the next queries, metres; 0 where none is near.
-    pub spacing: f64,
-}
-
-impl Query {
-    /// No kernel that reaches the point is longer than this, in metres.
-    pub fn farthest(&self) -> f64 {
-        let most = if self.caustics { self.most } else { 0.0 };
-        most.max(self.most_bounced).max(self.blind)
-    }
+    /// The kernels' sizes.
+    pub kernels: Kernels,
 }
 
 impl Query {
@@ -67,11 +74,12 @@ impl Query {
     /// frame of the map.
     fn searches(&self, rotation: DMat3) -> [Search; 2] {
         let normal = (rotation * self.n).as_vec3();
-        [self.most, self.most_bounced].map(|most| Search {
+        let k = &self.kernels;
+        [k.most, k.most_bounced].map(|most| Search {
             normal,
-            least: self.least.min(most) as f32,
+            least: k.least.min(most) as f32,
             most: most as f32,
-            blind: self.blind as f32,
+            blind: k.blind as f32,
         })
     }
 }

@@ -17,7 +17,7 @@ use crate::{
     geometry::Ray,
     material::Material,
     numeric::Frame,
-    photon::{Footprint, Photon, PhotonMap, Query},
+    photon::{Footprint, Kernels, Photon, PhotonMap, Query},
     sampling::{Stream, warp},
     spectrum::Rgb,
     transport::{Context, DiffusePoint, End, Walker},
@@ -184,12 +184,14 @@ impl Importance {
         let query = Query {
             p: photon.position,
             n: photon.normal,
-            least: 0.0,
-            most: self.longest,
-            most_bounced: self.longest,
-            blind: 0.0,
-            caustics: true,
-            spacing: 0.0,
+            kernels: Kernels {
+                least: 0.0,
+                most: self.longest,
+                most_bounced: self.longest,
+                blind: 0.0,
+                caustics: true,
+                spacing: 0.0,
+            },
         };
         let found = self.map.irradiance(&query, |_, _| 1.0);
         let all = if photon.bounced {

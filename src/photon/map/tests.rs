@@ -16,17 +16,18 @@ fn numbers(item: u64) -> impl Fn(u64) -> Stream {
     move |i| sequence.at(i)
 }
 
+const KERNELS: Kernels = Kernels {
+    least: 0.0,
+    most: 1e3,
+    most_bounced: 1e3,
+    blind: 0.0,
+    caustics: true,
+    spacing: 0.0,
+};
+
 fn query(p: DVec3, n: DVec3, blind: f64) -> Query {
-    Query {
-        p,
-        n,
-        least: 0.0,
-        most: 1e3,
-        most_bounced: 1e3,
-        blind,
-        caustics: true,
-        spacing: 0.0,
-    }
+    let kernels = Kernels { blind, ..KERNELS };
+    Query { p, n, kernels }
 }
 
 fn ask(map: &PhotonMap, q: &Query) -> Gathered {
@@ -98,29 +99,36 @@ fn agrees_with_brute_force() {
         let mut s = at(i);
         let p = DVec3::new(2.0 * s.next_1d() - 1.0, 2.0 * s.next_1d() - 1.0, 0.0);
         let q = Query {
-            least: 0.01 * s.next_1d(),
-            most: 0.03 + 0.1 * s.next_1d(),
-            most_bounced: 0.03 + 0.2 * s.next_1d(),
-            blind: 0.01 + 0.04 * s.next_1d(),
-            caustics: i % 3 != 0,
+            kernels: Kernels {
+                least: 0.01 * s.next_1d(),
+                most: 0.03 + 0.1 * s.next_1d(),
+                most_bounced: 0.03 + 0.2 * s.next_1d(),
+                blind: 0.01 + 0.04 * s.next_1d(),
+                caustics: i % 3 != 0,
+                ..KERNELS
+            },
             ..query(p, DVec3::Z, 0.0)
         };
         let mut expected = [0.0; 2];
         let mut reached = 0;
         for ph in &photons {
-            if !(ph.bounced || q.caustics) {
+            if !(ph.bounced || q.kernels.caustics) {
                 continue;
             }
-            let most = if ph.bounced { q.most_bounced } else { q.most };
+            let most = if ph.bounced {
+                q.kernels.most_bounced
+            } else {
+                q.kernels.most
+            };
             let o = p - ph.position;
             let (along, across, a, b) = match ph.footprint {
                 Some(f) => {
                     let axis = f.major.normalize();
-                    let size = |x: f64| (0.5 * x).clamp(q.least, most);
+                    let size = |x: f64| (0.5 * x).clamp(q.kernels.least, most);
                     let (a, b) = (size(f.major.length()), size(f.minor));
                     (o.dot(axis), o.dot(axis.cross(DVec3::Z)), a, b)
                 }
-                None => (o.x, o.y, q.blind, q.blind),
+                None => (o.x, o.y, q.kernels.blind, q.kernels.blind),
             };
             let t = (along / a).powi(2) + (across / b).powi(2);
             if t < 1.0 {
@@ -179,12 +187,14 @@ fn vicinity_changes_no_answer() {
         let spacing = 0.004;
         p += DVec3::new(2.0 * a - 1.0, 2.0 * b - 1.0, 0.02 * (a - b)) * spacing;
         let q = Query {
-            least: 0.002 * (1.0 + 0.3 * s.next_1d()),
-            most: 0.05 * (1.0 + 0.3 * s.next_1d()),
-            most_bounced: 0.03,
-            blind: 0.01 * (1.0 + 0.1 * s.next_1d()),
-            caustics: i % 5 != 0,
-            spacing,
+            kernels: Kernels {
+                least: 0.002 * (1.0 + 0.3 * s.next_1d()),
+                most: 0.05 * (1.0 + 0.3 * s.next_1d()),
+                most_bounced: 0.03,
+                blind: 0.01 * (1.0 + 0.1 * s.next_1d()),
+                caustics: i % 5 != 0,
+                spacing,
+            },
             ..query(p, DVec3::new(0.02 * a, 0.0, 1.0).normalize(), 0.0)
         };
         let near = vicinity.irradiance(&q, || 0.0, |o, e| 1.0 - 0.1 * (o.length() / e.major));
@@ -207,10 +217,14 @@ fn vicinity_changes_no_answer() {
 fn vast_regions_lose_no_light() {
     let map = PhotonMap::new(&floor_photons(1000, 1.0, |_| (0.0, None)), 1000, 1.0);
     let mut vicinity = Vicinity::new(&map);
+    let q = query(DVec3::ZERO, DVec3::Z, 0.2);
     for spacing in [1e17, 1e19, 1e40, f64::INFINITY] {
         let q = Query {
-            spacing,
-            ..query(DVec3::ZERO, DVec3::Z, 0.2)
+            kernels: Kernels {
+                spacing,
+                ..q.kernels
+            },
+            ..q
         };
         for _ in 0..3 {
             let found = vicinity.irradiance(&q, || 0.0, |_, _| 1.0);
@@ -229,8 +243,12 @@ fn crowded_regions_search_for_every_query() {
     for i in 0..20 {
         let p = DVec3::new(0.001 * f64::from(i), 0.0, 0.0);
         let q = Query {
-            spacing: 0.5,
-            ..query(p, DVec3::Z, 0.2)
+            kernels: Kernels {
+                blind: 0.2,
+                spacing: 0.5,
+                ..KERNELS
+            },
+            ..query(p, DVec3::Z, 0.0)
         };
         let near = vicinity.irradiance(&q, || 0.0, |_, _| 1.0);
         let single = ask(&map, &q);
@@ -407,11 +425,17 @@ fn degenerate_sets() {
     assert_eq!((map.len(), map.refused()), (1, 2));
     for broken in [
         Query {
-            blind: f64::NAN,
+            kernels: Kernels {
+                blind: f64::NAN,
+                ..simple.kernels
+            },
             ..simple
         },
         Query {
-            least: f64::NAN,
+            kernels: Kernels {
+                least: f64::NAN,
+                ..simple.kernels
+            },
             ..simple
         },
         Query {
@@ -429,7 +453,10 @@ fn degenerate_sets() {
     };
     let map = PhotonMap::new(&[line], 1, 1.0);
     let thin = Query {
-        least: 0.01,
+        kernels: Kernels {
+            least: 0.01,
+            ..simple.kernels
+        },
         ..simple
     };
     let middle = at_origin(&map, &thin)[0];

@@ -102,13 +102,17 @@ impl<'a> Vicinity<'a> {
     ) -> Gathered {
         let mut gathered = Gathered::default();
         let finite = query.p.is_finite() && query.n.is_finite();
-        if !(finite && query.least >= 0.0 && query.most > 0.0 && query.blind >= 0.0) {
+        if !(finite
+            && query.kernels.least >= 0.0
+            && query.kernels.most > 0.0
+            && query.kernels.blind >= 0.0)
+        {
             return gathered;
         }
         let map = self.map;
         let searches = query.searches(map.rotation);
         let p = map.rotation * query.p;
-        let near = query.spacing > 0.0 && RADIUS * query.spacing < LARGEST;
+        let near = query.kernels.spacing > 0.0 && RADIUS * query.kernels.spacing < LARGEST;
         let region = near
             .then(|| self.region(p, query, &searches, &mut gathered))
             .flatten();
@@ -116,7 +120,7 @@ impl<'a> Vicinity<'a> {
         let mut sums = [[0.0; 3]; 2];
         for (c, class) in map.classes().enumerate() {
             let bounced = usize::from(c >= map.caustics.len());
-            if bounced == 0 && !query.caustics {
+            if bounced == 0 && !query.kernels.caustics {
                 continue;
             }
             let search = &searches[bounced];
@@ -193,7 +197,7 @@ impl<'a> Vicinity<'a> {
         });
         let region = &mut self.regions[i];
         region.center = p;
-        region.radius = RADIUS * query.spacing;
+        region.radius = RADIUS * query.kernels.spacing;
         region.known = Known::Marked;
         marked?;
         gathered.visited += region.search(self.map, searches, &mut self.numbers);
