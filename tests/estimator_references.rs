@@ -38,37 +38,48 @@ struct Counted {
     one: f64,
 }
 
+/// Photons of the renderer that no guide draws to the picture: the most even
+/// ones.
 fn count(case: &Case) -> Counted {
     let mut scene = scene(&case.text());
     scene.settings.photons = Some(PHOTONS);
     let renderer = renderer(&scene);
     let ctx = renderer.context();
-    // Photons that no guide draws to the picture: the most even ones.
     let emitter = renderer.emitter().expect("a caster");
-    let pixels = (case.window.pixels * case.window.pixels) as usize;
     let per_area = case.window.per_metre() * case.window.per_metre() / PHOTONS as f64;
-    let (mut sum, mut squares) = (0.0, 0.0);
-    let replicates = (0..REPLICATES).map(|replicate| {
-        let mut irradiance = vec![0.0; pixels];
+    Counted::new(case, |replicate| {
         let sequence = Sequence::new(scene.settings.seed, Purpose::Photon, replicate, 0);
-        for photon in shoot(&ctx, emitter, sequence, 0, PHOTONS).photons {
-            if let Some(pixel) = case.window.pixel(photon.position.x, photon.position.y) {
-                let flux = photon.flux[1] * per_area;
+        let photons = shoot(&ctx, emitter, sequence, 0, PHOTONS).photons;
+        let land = |photon: nephroid::photon::Photon| {
+            let pixel = case.window.pixel(photon.position.x, photon.position.y)?;
+            Some((pixel, photon.flux[1] * per_area))
+        };
+        photons.into_iter().filter_map(land)
+    })
+}
+
+impl Counted {
+    /// Adds up the photons of every replicate: the pixel of each and what it
+    /// brings there.
+    fn new<P: Iterator<Item = (usize, f64)>>(case: &Case, photons: impl Fn(u32) -> P) -> Self {
+        let pixels = (case.window.pixels * case.window.pixels) as usize;
+        let (mut sum, mut squares) = (0.0, 0.0);
+        let replicates = (0..REPLICATES).map(|replicate| {
+            let mut irradiance = vec![0.0; pixels];
+            for (pixel, flux) in photons(replicate) {
                 irradiance[pixel] += flux;
                 sum += flux;
                 squares += flux * flux;
             }
+            irradiance
+        });
+        let replicates = replicates.collect();
+        Self {
+            replicates,
+            one: squares / sum,
         }
-        irradiance
-    });
-    let replicates = replicates.collect();
-    Counted {
-        replicates,
-        one: squares / sum,
     }
-}
 
-impl Counted {
     /// The light of a part of the pixels.
     fn of(&self, pixels: impl Fn(usize) -> bool) -> Estimate {
         let sum = |r: &Vec<f64>| -> f64 {
@@ -99,30 +110,19 @@ fn sum_of(reference: &Image, pixels: impl Fn(usize) -> bool) -> f64 {
 
 /// Photons of the other methods, in batches for replicates.
 fn random(case: &Case) -> Counted {
-    let pixels = (case.window.pixels * case.window.pixels) as usize;
     let side = f64::from(case.window.pixels);
-    let (mut sum, mut squares) = (0.0, 0.0);
-    let replicates = (0..u64::from(REPLICATES)).map(|replicate| {
-        let mut irradiance = vec![0.0; pixels];
-        let mut random = Random::new(replicate << 40);
-        for _ in 0..PHOTONS {
-            let photon = photons::photon(case, &mut random);
-            let Some(p) = photon.filter(|p| p.at.iter().all(|c| (0.0..side).contains(c))) else {
-                continue;
-            };
-            let [column, row] = p.at.map(|c| c as usize);
-            let flux = p.irradiance / PHOTONS as f64;
-            irradiance[row * case.window.pixels as usize + column] += flux;
-            sum += flux;
-            squares += flux * flux;
-        }
-        irradiance
-    });
-    let replicates = replicates.collect();
-    Counted {
-        replicates,
-        one: squares / sum,
-    }
+    Counted::new(case, |replicate| {
+        let mut random = Random::new(u64::from(replicate) << 40);
+        (0..PHOTONS).filter_map(move |_| {
+            let photon = photons::photon(case, &mut random)?;
+            if !photon.at.iter().all(|c| (0.0..side).contains(c)) {
+                return None;
+            }
+            let [column, row] = photon.at.map(|c| c as usize);
+            let pixel = row * case.window.pixels as usize + column;
+            Some((pixel, photon.irradiance / PHOTONS as f64))
+        })
+    })
 }
 
 fn agrees(name: &str) {
