@@ -3,6 +3,7 @@
 
 pub mod camera;
 pub mod film;
+pub mod formula;
 pub mod geometry;
 pub mod light;
 pub mod material;

@@ -1,5 +1,6 @@
 //! Floating point: counted error bounds, stable roots, frames, exact sums,
-//! and the transcendental functions whose bits reach pixels.
+//! intervals that contain the truth, and the transcendental functions whose
+//! bits reach pixels.
 //!
 //! Conventions: `U` is the unit roundoff of `f64` (2^-53). A bound is always
 //! an absolute error unless its name ends in `_rel`. Nothing in this room
@@ -8,6 +9,7 @@
 pub mod bounds;
 pub mod exact;
 pub mod frame;
+pub mod interval;
 pub mod products;
 pub mod quadratic;
 pub mod trig;
@@ -16,6 +18,7 @@ pub mod vector_pair;
 pub use bounds::{U, gamma};
 pub use exact::ExactSum;
 pub use frame::Frame;
+pub use interval::Interval;
 pub use products::{difference_of_products, two_product, two_sum};
 pub use quadratic::{Roots, quadratic};
 pub use vector_pair::VectorPair;

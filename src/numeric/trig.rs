@@ -74,6 +74,24 @@ pub fn asin(x: f64) -> f64 {
     libm::asin(x)
 }
 
+/// Arc tangent in radians.
+#[inline]
+pub fn atan(x: f64) -> f64 {
+    libm::atan(x)
+}
+
+/// e to the power `x`.
+#[inline]
+pub fn exp(x: f64) -> f64 {
+    libm::exp(x)
+}
+
+/// Natural logarithm of `x`.
+#[inline]
+pub fn log(x: f64) -> f64 {
+    libm::log(x)
+}
+
 /// `x` to the power `y`.
 #[inline]
 pub fn pow(x: f64, y: f64) -> f64 {
