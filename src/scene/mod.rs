@@ -16,6 +16,7 @@ mod decode;
 pub mod description;
 pub mod diagnostics;
 pub mod generate;
+mod literal;
 mod load;
 pub mod mesh_file;
 pub mod outline;

@@ -3,6 +3,7 @@
 
 use super::{
     diagnostics::{Diagnostic, Diagnostics},
+    literal,
     outline::{Kind, NodeId, Outline},
     source::Source,
 };
@@ -43,6 +44,19 @@ impl Report {
         } else {
             span
         };
+        self.noted(node, Diagnostic::in_text(&self.source, mark, message))
+    }
+
+    /// A message about some bytes of what a text says.
+    pub(super) fn about_text(
+        &self,
+        node: NodeId,
+        span: std::ops::Range<usize>,
+        message: impl Into<String>,
+    ) -> Diagnostic {
+        let whole = self.outline.span(node);
+        let inner = literal::within(&self.text()[whole.clone()], &span);
+        let mark = whole.start + inner.start..whole.start + inner.end;
         self.noted(node, Diagnostic::in_text(&self.source, mark, message))
     }
 

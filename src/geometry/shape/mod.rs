@@ -10,6 +10,7 @@
 
 mod cylinder;
 mod disc;
+pub mod implicit;
 mod plane;
 mod quad;
 mod sphere;
@@ -21,6 +22,7 @@ use glam::DVec3;
 
 pub use cylinder::Cylinder;
 pub use disc::Disc;
+pub use implicit::{Implicit, ImplicitError, RootFinder};
 pub use plane::Plane;
 pub use quad::Quad;
 pub use sphere::Sphere;
@@ -46,6 +48,8 @@ pub enum Shape {
     Triangle(Triangle),
     /// Many triangles, shared between instances.
     Mesh(Arc<TriangleMesh>),
+    /// Where a formula is zero, shared between instances.
+    Implicit(Arc<Implicit>),
 }
 
 /// Where a ray meets a shape.
@@ -159,6 +163,7 @@ macro_rules! each {
             Shape::Cylinder($s) => $call,
             Shape::Triangle($s) => $call,
             Shape::Mesh($s) => $call,
+            Shape::Implicit($s) => $call,
         }
     };
 }

@@ -3,6 +3,7 @@
 
 mod camera;
 mod checks;
+mod implicit;
 mod light;
 mod material;
 mod mesh;

@@ -59,6 +59,10 @@ impl<'d> Builder<'d> {
             let (label, close) = match shape {
                 Shape::Mesh(mesh) => (super::mesh::describe_opening(mesh), "close the mesh"),
                 Shape::Cylinder(_) => ("a tube without ends".to_owned(), "write `capped: true`"),
+                Shape::Implicit(_) => (
+                    "not proven to close within its bounds".to_owned(),
+                    "widen `bounds` until the formula is above 0 all over their faces",
+                ),
                 _ => (
                     "a flat sheet has no inside".to_owned(),
                     "use a closed shape",

@@ -92,6 +92,7 @@ impl<'d> Builder<'d> {
             ShapeDescription::Mesh(s) => self.mesh_shape(node, s).map(Shape::Mesh),
             ShapeDescription::Waves(s) => self.waves(node, s).map(Shape::Mesh),
             ShapeDescription::TorusKnot(s) => self.torus_knot(node, s).map(Shape::Mesh),
+            ShapeDescription::Implicit(s) => self.implicit(node, s).map(Shape::Implicit),
         }
     }
 

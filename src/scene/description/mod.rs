@@ -6,6 +6,7 @@
 //! read on its own and several mistakes are found in one go; each part keeps
 //! its [`NodeId`] so that later checks can point at it.
 
+mod implicit;
 mod light;
 mod mesh;
 mod shape;
@@ -16,6 +17,7 @@ use serde::Deserialize;
 
 use super::outline::NodeId;
 
+pub use implicit::{ImplicitShape, MethodDescription};
 pub use light::{
     DirectionalLight, DiscLight, LightDescription, PointLight, QuadLight, SphereLight, SpotLight,
 };

@@ -2,7 +2,7 @@
 
 use serde::Deserialize;
 
-use super::{MeshFields, Number, Pair, TorusKnot, Triple, Waves};
+use super::{ImplicitShape, MeshFields, Number, Pair, TorusKnot, Triple, Waves};
 
 /// What an object's `shape` field says.
 #[derive(Clone, Debug, Deserialize)]
@@ -26,6 +26,8 @@ pub enum ShapeDescription {
     Waves(Waves),
     /// A torus knot.
     TorusKnot(TorusKnot),
+    /// Where a formula is zero.
+    Implicit(ImplicitShape),
 }
 
 impl ShapeDescription {
@@ -41,6 +43,7 @@ impl ShapeDescription {
             Self::Mesh(_) => "Mesh",
             Self::Waves(_) => "Waves",
             Self::TorusKnot(_) => "TorusKnot",
+            Self::Implicit(_) => "Implicit",
         }
     }
 }
