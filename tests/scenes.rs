@@ -186,6 +186,30 @@ fn plano_convex_lenses_focus_on_the_axis() {
     }
 }
 
+/// Glass where the formula says, on the diagonals and at its widest, and
+/// none in the windows.
+#[test]
+fn the_tanglecube_is_where_its_formula_says() {
+    let scene = load("tanglecube.ron");
+    let cube = scene.objects.iter().position(|o| o.name == "tanglecube");
+    let cube = cube.unwrap();
+    assert!(scene.world.instances()[cube].shape.is_closed());
+    let (scale, center) = (0.22, DVec3::new(0.0, 0.0, 0.55));
+    let far = |s: f64| center + DVec3::splat(s * scale);
+    let inward = -DVec3::ONE.normalize();
+    let (name, corner, _) = step(&scene, &Ray::new(far(9.0), inward)).unwrap();
+    let (_, inner, _) = step(&scene, &corner.spawn(inward)).unwrap();
+    assert_eq!(name, "tanglecube");
+    assert!((corner.p - far(2.00551)).length() < 5e-6 * scale);
+    assert!((inner.p - far(0.98891)).length() < 1.5e-5 * scale);
+    let side = center + DVec3::new(9.0, 2.5f64.sqrt(), 2.5f64.sqrt()) * scale;
+    let (_, widest, _) = step(&scene, &Ray::new(side, DVec3::NEG_X)).unwrap();
+    assert!(((widest.p - center).x / scale - 2.2663).abs() < 5e-5);
+    assert!((widest.ng - DVec3::X).length() < 1e-12);
+    let (name, ..) = step(&scene, &Ray::new(center + DVec3::Z, DVec3::NEG_Z)).unwrap();
+    assert_eq!(name, "floor", "the window is open");
+}
+
 #[test]
 fn the_prism_turns_the_beam_by_minimum_deviation() {
     let scene = load("prism.ron");

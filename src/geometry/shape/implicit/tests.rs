@@ -243,8 +243,11 @@ fn rays_that_leave_meet_what_they_should() {
                         cosine < 0.0,
                         "{i}: met again at {t} along {dir}, {cosine:e}"
                     );
-                    let chord = -2.0 * cosine;
-                    assert!((t - chord).abs() < 1e-9 + 1e-6 * chord, "{t} for {chord}");
+                    // The start is up to the error beneath the surface, which
+                    // makes grazing chords longer by the root of that.
+                    let (chord, depth) = (-2.0 * cosine, 2.0 * point.error);
+                    let slack = 2.0 * (2.0 * depth).sqrt().min(depth / -cosine) + 1e-14;
+                    assert!((t - chord).abs() <= slack, "{t} for {chord}, slack {slack}");
                     assert!(exit.ng.dot(dir) > 0.0);
                     assert!(met(&w, &exit.spawn(dir)).is_none());
                     through += 1;
@@ -410,7 +413,7 @@ fn what_cannot_be_is_refused() {
         let refused = make(text, RootFinder::Interval);
         assert_eq!(refused, Err(ImplicitError::NoSurface), "{text}");
     }
-    for text in ["sqrt(x) - 0.5", "x + 1/y", "tan(2*x) - y"] {
+    for text in ["sqrt(x) - y", "x + 1/y", "tan(2*x) - y"] {
         let refused = make(text, RootFinder::SphereTracing);
         assert_eq!(refused, Err(ImplicitError::UnboundedGradient), "{text}");
         assert_eq!(make(text, RootFinder::Interval), Ok(()), "{text}");
