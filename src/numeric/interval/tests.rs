@@ -69,6 +69,9 @@ fn holds(x: Interval, truth: Wide) -> bool {
         && (x.hi() == f64::INFINITY || beyond(x.hi()) >= 0.0)
 }
 
+/// A function of intervals and of numbers.
+type Function = (fn(Interval) -> Interval, fn(f64) -> f64);
+
 /// An interval and a number inside.
 fn pair() -> impl Strategy<Value = (Interval, f64)> {
     let number = || {
@@ -179,8 +182,7 @@ proptest! {
     /// inside.
     #[test]
     fn what_is_inside_lands_inside((a, x) in pair(), c in -3.0..3.0f64) {
-        type Function = fn(Interval) -> Interval;
-        let all: [(Function, fn(f64) -> f64); 9] = [
+        let all: [Function; 9] = [
             (Interval::sin, libm::sin),
             (Interval::cos, libm::cos),
             (Interval::tan, libm::tan),
