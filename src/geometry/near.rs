@@ -84,12 +84,22 @@ mod tests {
 
     use super::*;
     use crate::{
+        formula::Formula,
         geometry::{
-            Ray, Shape, Transform, TriangleMesh,
-            shape::{Cylinder, Disc, Plane, Quad, Sphere, Triangle},
+            Aabb, Ray, Shape, Transform, TriangleMesh,
+            shape::{Cylinder, Disc, Implicit, Plane, Quad, RootFinder, Sphere, Triangle},
         },
         sampling::{Purpose, Sequence, warp},
     };
+
+    fn torus() -> Implicit {
+        let f = Formula::parse("(sqrt(x^2 + y^2) - 0.6)^2 + z^2 - 0.04").expect("a formula");
+        let bounds = Aabb {
+            min: DVec3::NEG_ONE,
+            max: DVec3::ONE,
+        };
+        Implicit::new(f, bounds, RootFinder::Interval).expect("a surface")
+    }
 
     fn shapes() -> Vec<Shape> {
         let grid: Vec<DVec3> = (0..100)
@@ -127,6 +137,7 @@ mod tests {
                 true,
             )),
             Shape::Mesh(Arc::new(mesh)),
+            Shape::Implicit(Arc::new(torus())),
         ]
     }
 

@@ -41,8 +41,9 @@ pub const MAX_STEPS: f64 = 1e5;
 /// How the first crossing along a ray is searched for.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum RootFinder {
-    /// Interval subdivision: no crossing wider than [`TOLERANCE`] is missed
-    /// while the budget of [`PIECES`] lasts.
+    /// Interval subdivision: while the budget of [`PIECES`] lasts, no two
+    /// crossings are missed but those closer than [`TOLERANCE`] or those
+    /// between which the formula is as small as its own rounding.
     #[default]
     Interval,
     /// Steps of a fixed length in metres: crossings within one step that
