@@ -42,7 +42,7 @@ fn landing(scene: &Scene, x: f64, y: f64) -> (DVec3, f64) {
         match lobes(material, &point, ray.dir, Carried::Flux) {
             None => return (point.p, weight),
             Some(Lobes::One(lobe) | Lobes::Two(_, lobe)) => {
-                weight *= lobe.weight[0];
+                weight *= lobe.share * lobe.weight[0];
                 ray = point.spawn(lobe.dir);
             }
         }
@@ -66,7 +66,7 @@ fn rays_take_the_same_way() {
         assert!((q - DVec3::new(known * cos, known * sin, 0.0)).length() < 1e-12);
         let share = ball::transmittance(height);
         assert!(
-            (v - share).abs() < 1e-9,
+            (v - share).abs() < 1e-12,
             "at height {height}: {v} for {share}"
         );
     }
