@@ -7,6 +7,7 @@ use glam::DVec3;
 use nephroid::{
     geometry::Ray,
     photon::{Footprint, Kernels, Photon, PhotonMap, Vicinity, gather},
+    plan::Media,
     render::Renderer,
     sampling::{Purpose, Sequence},
     scene::{Scene, load_str},
@@ -82,7 +83,7 @@ fn beside(scene: &Scene, x: f64) -> [f64; 2] {
         let ray = Ray::new(DVec3::new(x, u - 0.5, 1.0), DVec3::NEG_Z);
         let hit = scene.world.closest(&ray, f64::INFINITY).expect("the floor");
         let point = scene.world.surface(&ray, &hit);
-        let at = DiffusePoint::new(point, ray.dir, Rgb::WHITE);
+        let at = DiffusePoint::new(point, ray.dir, Rgb::WHITE, Media::NONE);
         let found = gather(
             &ctx,
             &mut Vicinity::new(&map),

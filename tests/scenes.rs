@@ -12,7 +12,7 @@ use nephroid::{
     film::Layer,
     geometry::{Ray, Surface, SurfacePoint},
     light::Source,
-    plan::Plan,
+    plan::{Media, Plan},
     render::{self, Job},
     sampling::{Purpose, Sequence, warp},
     scene::{self, Scene, Summary},
@@ -337,7 +337,7 @@ fn visible(scene: &Scene, light: usize, x: f64, y: f64) -> f64 {
             let u = sequence.at(i).next_2d();
             let sample = named.light.sample_direct(floor.p, u).unwrap();
             assert!(matches!(sample.source, Source::Point(_)));
-            transmittance(&ctx, &floor, &sample, named.instance)
+            transmittance(&ctx, &floor, &Media::NONE, &sample, named.instance)
         })
         .sum();
     sum / n as f64

@@ -144,7 +144,11 @@ fn lobes_are_chosen_by_fresnel() {
                 let d = DVec3::new(s, 0.0, -side * c);
                 let ratio = if side > 0.0 || thin { ior } else { 1.0 / ior };
                 let found = lobes(
-                    &Material::Dielectric { ior, thin },
+                    &Material::Dielectric {
+                        ior,
+                        thin,
+                        priority: None,
+                    },
                     &point,
                     d,
                     Carried::Flux,

@@ -116,6 +116,20 @@ impl Camera {
         }
     }
 
+    /// The point from which perspective rays start, or the middle of the film.
+    pub fn eye(&self) -> DVec3 {
+        self.eye
+    }
+
+    /// The normal of the film on which parallel rays start; `None` where all
+    /// start at the eye.
+    pub fn film_normal(&self) -> Option<DVec3> {
+        match self.projection {
+            Projection::Perspective => None,
+            Projection::Orthographic => Some(self.forward),
+        }
+    }
+
     /// Footprint of a pixel: its width at distance `d` along a ray is
     /// `width + spread * d`, in metres.
     pub fn pixel_footprint(&self) -> Footprint {

@@ -6,7 +6,7 @@ use nephroid::{
 };
 use serde_json::{Value, json};
 
-use super::{Exit, Failure, args::CheckArgs, deliver};
+use super::{Exit, Failure, args::CheckArgs, deliver, media::Media, tell};
 
 /// Checks the scene. The verdict goes to standard output; mistakes, unless
 /// asked for as JSON, to standard error.
@@ -16,10 +16,18 @@ pub(super) fn run(typed: &CheckArgs) -> Result<Exit, Failure> {
         Ok(scene) => {
             Job::of(&scene).check().map_err(Failure::bad_input)?;
             let summary = Summary::of(&scene);
+            let media = Media::of(&scene);
+            for warning in &media.warnings {
+                tell(format_args!("warning: {warning}"));
+            }
             deliver(if typed.json {
-                in_order(&name, &summary, scene.settings.passes).to_string()
+                in_order(&name, &summary, &media, scene.settings.passes).to_string()
             } else {
-                format!("{name} is in order\n{summary}")
+                let mut lines = format!("{name} is in order\n{summary}");
+                for place in &media.inside {
+                    lines += &format!("\nmedia      {place}");
+                }
+                lines
             })
             .map_err(Failure::fault)?;
             Ok(Exit::Done)
@@ -32,7 +40,7 @@ pub(super) fn run(typed: &CheckArgs) -> Result<Exit, Failure> {
     }
 }
 
-fn in_order(scene: &str, summary: &Summary, passes: u32) -> Value {
+fn in_order(scene: &str, summary: &Summary, media: &Media, passes: u32) -> Value {
     json!({
         "scene": scene,
         "ok": true,
@@ -42,6 +50,8 @@ fn in_order(scene: &str, summary: &Summary, passes: u32) -> Value {
         "casters": summary.casters,
         "triangles": summary.triangles,
         "lights": summary.light_count(),
+        "media": media.inside,
+        "warnings": media.warnings,
     })
 }
 

@@ -9,6 +9,7 @@
 mod args;
 mod check;
 mod interrupt;
+mod media;
 mod progress;
 mod render;
 mod values;

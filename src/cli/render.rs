@@ -16,6 +16,7 @@ use super::{
     args::RenderArgs,
     deliver,
     interrupt::Interrupt,
+    media::Media,
     progress::{Goal, Reporter},
     tell,
     values::{Crop, Format, Output, default_outputs},
@@ -41,6 +42,11 @@ pub(super) fn run(typed: &RenderArgs) -> Result<Exit, Failure> {
     probe(&outputs, json.as_ref())?;
     let scene = scene::load(&typed.scene).map_err(|mistakes| Failure::scene(&mistakes))?;
     let job = job(typed, &scene)?;
+    if !typed.quiet {
+        for warning in Media::of(&scene).warnings {
+            tell(format_args!("warning: {warning}"));
+        }
+    }
     if let Some(threads) = typed.threads {
         rayon::ThreadPoolBuilder::new()
             .num_threads(threads.into())

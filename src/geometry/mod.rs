@@ -23,6 +23,7 @@ pub mod bounds;
 pub mod brute;
 pub mod bvh;
 pub mod hit;
+mod inside;
 pub mod mesh;
 mod near;
 pub mod ray;

@@ -58,8 +58,8 @@ pub fn fresnel(cos_i: f64, eta: f64) -> Interface {
     }
 }
 
-/// Fraction of the power that passes a thin parallel pane of index `ior >= 1`
-/// in air, with all reflections between its faces added as powers (the pane is
+/// Fraction of the power that passes a thin parallel pane whose index is `ior`
+/// times that around it, with all reflections between its faces added as powers (the pane is
 /// thick against the coherence length): `T^2 (1 + R^2 + R^4 + ...) =
 /// T^2 / (1 - R^2) = T / (1 + R)` with `R`, `T` of one face for unpolarised
 /// light. The rest is reflected.

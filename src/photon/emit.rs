@@ -6,6 +6,7 @@ use glam::DVec3;
 
 use crate::{
     geometry::Ray,
+    plan::Media,
     sampling::{Discrete, Purpose, Sequence, Stream},
     spectrum::Rgb,
     transport::{Context, Differential},
@@ -31,6 +32,8 @@ pub struct Emission {
     pub flux: Rgb,
     /// Index of the light.
     pub light: u32,
+    /// The bodies of clear media around the start.
+    pub media: Media,
     /// Derivatives of the ray by the sample of direction and point, and the
     /// probability of light and target. May not be finite on a rim.
     pub differential: Differential,
@@ -90,6 +93,7 @@ impl Emitter {
                     ray: Ray::new(DVec3::ZERO, DVec3::Z),
                     flux: Rgb::BLACK,
                     light,
+                    media: Media::NONE,
                     differential: Differential::new(),
                 },
                 Origin {
@@ -100,6 +104,13 @@ impl Emitter {
             );
         };
         launch.start.differential.chance = launch.chance * light_chance;
+        let media = match &ctx.plan.nest {
+            Some(nested) => {
+                let start = &nested.starts.lights[light as usize];
+                start.at(&ctx.scene.world, launch.start.origin)
+            }
+            None => Media::NONE,
+        };
         // Built where they are returned: derivatives are large to copy.
         (
             Emission {
@@ -110,6 +121,7 @@ impl Emitter {
                 },
                 flux: launch.flux / light_chance,
                 light,
+                media,
                 differential: launch.start.differential,
             },
             Origin {

@@ -16,7 +16,7 @@ use crate::{
     numeric::{Frame, VectorPair},
     sampling::{Stream, warp},
     spectrum::Rgb,
-    transport::{Carried, Context, Lobe, Ways},
+    transport::{Carried, Context, Lobe, Met, Ways, meet},
 };
 
 use super::{Emission, Footprint, LightTally, emit};
@@ -63,17 +63,22 @@ pub fn trace(
     if flux.is_black() {
         return;
     }
-    let mut ray = emission.ray;
+    let (mut ray, mut media) = (emission.ray, emission.media);
     let mut differential = emission.differential;
     let weak = ROULETTE_BELOW * flux.max();
     let (mut bent, mut bounced) = (false, false);
     for depth in 0..=ctx.max_depth {
-        let Some(hit) = ctx.scene.world.closest(&ray, f64::INFINITY) else {
+        let Some(met) = meet(ctx, &ray, f64::INFINITY, &media) else {
             tally.escaped += flux.mean();
             return;
         };
-        let point = ctx.scene.world.surface(&ray, &hit);
-        let material = ctx.scene.object(hit.surface).material;
+        let Met {
+            hit,
+            point,
+            material,
+            ..
+        } = met;
+        media = met.near;
         differential.transfer(ray.dir, hit.t, point.ng);
         if depth == 0 {
             tally.landed_paths += 1;
@@ -86,6 +91,7 @@ pub fn trace(
             let lobe = ways.choose(ray.dir, Carried::Flux, || stream.next_1d());
             flux = scatter(flux, &lobe, tally);
             bent |= lobe.is_bent();
+            media = met.media_along(&lobe);
             differential.chance *= lobe.share;
             if lobe.is_bent() {
                 let turning = ctx.scene.world.turning(&hit, &point);

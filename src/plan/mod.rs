@@ -3,14 +3,26 @@
 //! The plan is data: it names what is simulated and what is not. It never
 //! measures anything; a pilot that samples the scene cannot prove a zero.
 
+mod media;
+mod nest;
+mod starts;
+
+pub use media::{MOST_MEDIA, Media};
+pub use nest::{Crossing, Nest, Start};
+pub use starts::Starts;
+
 use crate::{
     light::Light,
+    material::Material,
     scene::{Scene, Settings},
 };
 
 /// What is simulated for a scene.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Plan {
+    /// Bodies of clear media that may overlap; `None` if no two of them do:
+    /// then what lies around a body is air.
+    pub nest: Option<Nested>,
     /// Instances that can turn light into a caustic.
     pub casters: Vec<u32>,
     /// Lights that are seen by rays which meet nothing.
@@ -25,12 +37,41 @@ pub struct Plan {
     pub indirect: bool,
 }
 
+/// What paths need to know where bodies of clear media overlap.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Nested {
+    /// The bodies.
+    pub nest: Nest,
+    /// In which of them paths start.
+    pub starts: Starts,
+}
+
+impl Nested {
+    /// The nest of a scene; `None` if no two bodies come near each other.
+    fn new(scene: &Scene) -> Option<Self> {
+        let nest = Nest::of(scene);
+        nest.may_overlap(&scene.world).then(|| Self {
+            starts: Starts::new(scene, &nest),
+            nest,
+        })
+    }
+}
+
 impl Plan {
     /// The plan of a scene rendered with `settings`.
     pub fn new(scene: &Scene, settings: &Settings) -> Self {
+        let nest = Nested::new(scene);
+        // A bubble of air bends light where there is water around it.
+        let is_nested = |material: &Material| {
+            let priority = match *material {
+                Material::Dielectric { priority, .. } => priority,
+                _ => None,
+            };
+            nest.is_some() && priority.is_some()
+        };
         let casters: Vec<u32> = (0u32..)
             .zip(&scene.objects)
-            .filter(|(_, o)| o.material.casts_caustics())
+            .filter(|(_, o)| o.material.casts_caustics() || is_nested(&o.material))
             .map(|(i, _)| i)
             .collect();
         let receives = scene.objects.iter().any(|o| o.material.is_finite());
@@ -40,10 +81,12 @@ impl Plan {
                 .filter(|(_, l)| matches!(l.light, Light::Sun(_)))
                 .map(|(i, _)| i)
                 .collect(),
-            straight_surfaces: scene.objects.iter().any(|o| o.material.is_straight()),
+            straight_surfaces: nest.is_some()
+                || scene.objects.iter().any(|o| o.material.is_straight()),
             caustics: receives && !casters.is_empty() && !scene.lights.is_empty(),
             indirect: receives && settings.indirect && !scene.lights.is_empty(),
             casters,
+            nest,
         }
     }
 }

@@ -129,7 +129,7 @@ impl<'a> Gather<'a> {
                     point,
                     material: Material::Diffuse { reflectance },
                 } => {
-                    let at = DiffusePoint::new(*point, walker.ray.dir, *reflectance);
+                    let at = DiffusePoint::new(*point, walker.ray.dir, *reflectance, walker.media);
                     let found = self.shade(walker, &at, stream, ends, vicinity, tally);
                     for (sum, layer) in sample.layers.iter_mut().zip(found.layers) {
                         *sum += layer;
@@ -308,7 +308,7 @@ impl<'a> Gather<'a> {
                 End::Surface { .. } | End::Escaped => return sum,
             };
             width += DIFFUSE_SPREAD * (path.length - before.length);
-            at = DiffusePoint::new(point, path.ray.dir, reflectance);
+            at = DiffusePoint::new(point, path.ray.dir, reflectance, path.media);
             // The caustic itself, as light for the surface before, has come
             // there as photons that bounced here.
             let [_, bounced] = self.gathered(&at, width, false, stream, vicinity, tally);

@@ -53,7 +53,7 @@ pub(super) fn beam(camera: &Camera, resolution: [u32; 2], samples: u64) -> Beam 
 /// looked up, and on to the next one, where those that bounced are.
 pub(super) fn reach(ctx: &Context<'_>, ray: Ray, beam: Beam, stream: &mut Stream) -> Reached {
     let mut reached = [None; 2];
-    let mut path = Walker::new(ray);
+    let mut path = Walker::from_camera(ctx, ray);
     let (mut beam, mut before) = (beam, 0.0);
     for (i, place) in reached.iter_mut().enumerate() {
         let End::Surface {
@@ -63,7 +63,7 @@ pub(super) fn reach(ctx: &Context<'_>, ray: Ray, beam: Beam, stream: &mut Stream
         else {
             break;
         };
-        let at = DiffusePoint::new(point, path.ray.dir, reflectance);
+        let at = DiffusePoint::new(point, path.ray.dir, reflectance, path.media);
         path.throughput *= reflectance;
         let t = path.throughput.mean() * FRAC_1_PI;
         let radius = beam.width + beam.spread * (path.length - before);

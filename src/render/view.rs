@@ -52,7 +52,7 @@ pub(super) fn view(
         walkers: [None; PENDING],
         count: 0,
     };
-    let mut next = Some(Walker::new(ray));
+    let mut next = Some(Walker::from_camera(ctx, ray));
     while let Some(mut walker) = next {
         let before = walker.depth;
         let end = walker.walk(ctx, &mut coins, &mut |other| {

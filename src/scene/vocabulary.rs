@@ -30,7 +30,8 @@ pub(super) fn expectation(field: &str) -> Option<&'static str> {
         "power" | "intensity" | "radiance" | "irradiance" => {
             "a colour: a number, `(r, g, b)` or \"#rrggbb\""
         }
-        "ior" => "an index of refraction, at least 1",
+        "ior" | "outside" => "an index of refraction, at least 1",
+        "priority" => "a whole number from -128 to 127",
         "thin" | "open" | "capped" | "indirect" => "`true` or `false`",
         "file" => "the path of an OBJ or PLY file, as a text",
         "name" | "named" => "a name, as a text",

@@ -7,6 +7,7 @@ use glam::DVec3;
 use crate::{
     geometry::SurfacePoint,
     light::Light,
+    plan::Media,
     sampling::{Discrete, Stream},
     scene::Scene,
     spectrum::Rgb,
@@ -25,11 +26,13 @@ pub struct DiffusePoint {
     pub ns: DVec3,
     /// Reflectance.
     pub reflectance: Rgb,
+    /// The bodies of clear media on the viewer's side.
+    pub media: Media,
 }
 
 impl DiffusePoint {
-    /// The point as seen along direction `d`.
-    pub fn new(point: SurfacePoint, d: DVec3, reflectance: Rgb) -> Self {
+    /// The point as seen along direction `d` by a path in `media`.
+    pub fn new(point: SurfacePoint, d: DVec3, reflectance: Rgb, media: Media) -> Self {
         let flip = point.ng.dot(d) > 0.0;
         let (ng, ns) = if flip {
             (-point.ng, -point.ns)
@@ -41,6 +44,7 @@ impl DiffusePoint {
             ng,
             ns,
             reflectance,
+            media,
         }
     }
 }
@@ -117,5 +121,5 @@ fn from_light(ctx: &Context<'_>, at: &DiffusePoint, index: usize, u: [f64; 2]) -
     if radiance.is_black() {
         return Rgb::BLACK;
     }
-    radiance * shadow::transmittance(ctx, &at.point, &sample, light.instance)
+    radiance * shadow::transmittance(ctx, &at.point, &at.media, &sample, light.instance)
 }

@@ -7,15 +7,24 @@
 //! light that was reflected or bent before it reached a finite lobe is the
 //! photon map's. *Bent* is the word for that here: passing a thin pane or an
 //! index-matched surface in a straight line does not bend.
+//!
+//! A path knows the bodies of clear media in which it is ([`Media`]), and finds
+//! surfaces through [`meet`] alone, which passes those that are hidden in a
+//! body of higher rank. Where no two bodies come near each other the list is
+//! empty and nobody reads it.
+//!
+//! [`Media`]: crate::plan::Media
 
 pub mod differential;
 pub mod direct;
+pub mod meet;
 pub mod shadow;
 pub mod specular;
 pub mod walk;
 
 pub use differential::{Bend, Differential, Pair};
 pub use direct::{DiffusePoint, LightPicker, direct_light};
+pub use meet::{Met, meet};
 pub use shadow::transmittance;
 pub use specular::{Carried, Lobe, Lobes, Ways, lobes};
 pub use walk::{End, Walker};

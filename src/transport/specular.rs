@@ -154,12 +154,17 @@ impl Ways {
                 facing: Facing::new(point, d),
                 reflectance,
             },
-            Material::Dielectric { ior, thin: true } => Self::through_pane(point, d, ior),
+            Material::Dielectric {
+                ior, thin: true, ..
+            } => Self::through_pane(point, d, ior),
             Material::Dielectric {
                 ior: 1.0,
                 thin: false,
+                ..
             } => Self::Straight,
-            Material::Dielectric { ior, thin: false } => Self::through_interface(point, d, ior),
+            Material::Dielectric {
+                ior, thin: false, ..
+            } => Self::through_interface(point, d, ior),
             Material::Diffuse { .. } | Material::Black => return None,
         })
     }

@@ -2,13 +2,14 @@
 //! gathered or found.
 
 use crate::{
-    geometry::{Hit, Ray, SurfacePoint},
+    geometry::{Ray, SurfacePoint},
     material::Material,
+    plan::Media,
     sampling::Stream,
     spectrum::Rgb,
 };
 
-use super::{Carried, Context, Lobe, Lobes, lobes};
+use super::{Carried, Context, Lobe, Lobes, Met, lobes, meet};
 
 /// Where a walk ends.
 #[derive(Clone, Copy, Debug)]
@@ -42,17 +43,29 @@ pub struct Walker {
     pub length: f64,
     /// Surface interactions so far.
     pub depth: u32,
+    /// The bodies of clear media around the ray's origin.
+    pub media: Media,
 }
 
 impl Walker {
-    /// A path that starts with `ray`.
-    pub fn new(ray: Ray) -> Self {
+    /// A path that starts with `ray` at the camera.
+    pub fn from_camera(ctx: &Context<'_>, ray: Ray) -> Self {
+        let media = match &ctx.plan.nest {
+            Some(nested) => nested.starts.camera.at(&ctx.scene.world, ray.origin),
+            None => Media::NONE,
+        };
+        Self::new(ray, media)
+    }
+
+    /// A path that starts with `ray` in `media`.
+    pub fn new(ray: Ray, media: Media) -> Self {
         Self {
             ray,
             throughput: Rgb::WHITE,
             strength: 1.0,
             length: 0.0,
             depth: 0,
+            media,
         }
     }
 
@@ -67,11 +80,15 @@ impl Walker {
         branch: &mut impl FnMut(&Walker) -> bool,
     ) -> End {
         loop {
-            let Some(hit) = ctx.scene.world.closest(&self.ray, f64::INFINITY) else {
+            let Some(met) = meet(ctx, &self.ray, f64::INFINITY, &self.media) else {
                 return End::Escaped;
             };
-            let point = self.arrive(ctx, &hit);
-            let material = ctx.scene.object(hit.surface).material;
+            let Met {
+                point, material, ..
+            } = met;
+            self.depth += 1;
+            self.length += met.hit.t;
+            self.media = met.near;
             let Some(lobes) = lobes(&material, &point, self.ray.dir, Carried::Radiance) else {
                 return End::Surface { point, material };
             };
@@ -80,16 +97,16 @@ impl Walker {
             }
             let before = *self;
             match lobes {
-                Lobes::One(lobe) => self.follow(&point, &lobe, 1.0),
+                Lobes::One(lobe) => self.follow(&met, &lobe, 1.0),
                 Lobes::Two(a, b) => {
                     let (main, side) = if a.share < b.share { (b, a) } else { (a, b) };
                     let mut other = before;
-                    other.follow(&point, &side, side.share);
+                    other.follow(&met, &side, side.share);
                     if side.share > 0.0 && branch(&other) {
-                        self.follow(&point, &main, main.share);
+                        self.follow(&met, &main, main.share);
                     } else {
                         let lobe = lobes.choose(|| stream.next_1d());
-                        self.follow(&point, &lobe, 1.0);
+                        self.follow(&met, &lobe, 1.0);
                     }
                 }
             }
@@ -100,15 +117,10 @@ impl Walker {
     }
 
     /// Goes on along a lobe, with the given part of what is carried.
-    fn follow(&mut self, point: &SurfacePoint, lobe: &Lobe, part: f64) {
+    fn follow(&mut self, met: &Met, lobe: &Lobe, part: f64) {
         self.throughput *= lobe.weight * part;
         self.strength *= lobe.weight.max() / lobe.index * part;
-        self.ray = point.spawn(lobe.dir);
-    }
-
-    fn arrive(&mut self, ctx: &Context<'_>, hit: &Hit) -> SurfacePoint {
-        self.depth += 1;
-        self.length += hit.t;
-        ctx.scene.world.surface(&self.ray, hit)
+        self.ray = met.point.spawn(lobe.dir);
+        self.media = met.media_along(lobe);
     }
 }

@@ -5,7 +5,7 @@ use crate::{
     material::Material,
     scene::{
         decode::{list, short, suggest},
-        description::{MaterialChoice, MaterialDescription, Part},
+        description::{MaterialChoice, MaterialDescription, Number, Part},
         outline::NodeId,
     },
 };
@@ -37,21 +37,88 @@ impl<'d> Builder<'d> {
                 let reflectance = self.report.reflectance(node, reflectance)?;
                 Some(Material::Mirror { reflectance })
             }
-            MaterialDescription::Dielectric { ior, thin } => {
-                if (1.0..=MAX_IOR).contains(&ior.0) {
-                    return Some(Material::Dielectric { ior: ior.0, thin });
-                }
-                let place = self.report.field(node, "ior");
-                let message = if ior.0 < 1.0 {
-                    "an index of refraction below 1"
-                } else {
-                    "an index of refraction that nothing has"
-                };
-                let label = format!("expected 1 to {MAX_IOR}");
-                let help = "the index is that of the medium behind the surface; water has 1.33, glass about 1.5";
-                self.report.reject(place, message, label, help)
+            MaterialDescription::Dielectric {
+                ior,
+                outside,
+                priority,
+                thin,
+            } => {
+                let ior = self.index(node, "ior", ior);
+                let outside = outside.map(|n| self.index(node, "outside", n));
+                let priority = priority.map(|p| self.priority(node, p));
+                self.check_alone(node, outside.is_some(), priority.is_some(), thin)?;
+                let takes_part = outside.is_none() && !thin;
+                Some(Material::Dielectric {
+                    ior: ior? / outside.unwrap_or(Some(1.0))?,
+                    thin,
+                    priority: match priority.unwrap_or(Some(0))? {
+                        p if takes_part => Some(p),
+                        _ => None,
+                    },
+                })
             }
         }
+    }
+
+    /// An index of refraction.
+    fn index(&mut self, node: NodeId, key: &str, value: Number) -> Option<f64> {
+        if (1.0..=MAX_IOR).contains(&value.0) {
+            return Some(value.0);
+        }
+        let place = self.report.field(node, key);
+        let message = if value.0 < 1.0 {
+            "an index of refraction below 1"
+        } else {
+            "an index of refraction that nothing has"
+        };
+        let label = format!("expected 1 to {MAX_IOR}");
+        let help = if key == "ior" {
+            "the index is that of the medium behind the surface; water has 1.33, glass about 1.5"
+        } else {
+            "the index is that of the medium in front of the surface, towards its normal; \
+             leave it out for air"
+        };
+        self.report.reject(place, message, label, help)
+    }
+
+    /// Which medium wins an overlap.
+    fn priority(&mut self, node: NodeId, value: Number) -> Option<i8> {
+        let p = value.0;
+        if p == p.round() && (f64::from(i8::MIN)..=f64::from(i8::MAX)).contains(&p) {
+            return Some(p as i8);
+        }
+        let place = self.report.field(node, "priority");
+        let label = format!("expected a whole number from {} to {}", i8::MIN, i8::MAX);
+        let help = "where bodies overlap, the medium of the higher number is there; \
+                    only their order matters";
+        let message = "this is not a priority";
+        self.report.reject(place, message, label, help)
+    }
+
+    /// A surface that says what is on both sides, or is a pane, has no
+    /// overlaps to win.
+    fn check_alone(
+        &mut self,
+        node: NodeId,
+        outside: bool,
+        priority: bool,
+        thin: bool,
+    ) -> Option<()> {
+        if !priority {
+            return Some(());
+        }
+        if outside {
+            let fields = [("outside", true), ("priority", true)];
+            self.report.exactly_one(node, &fields)?;
+        }
+        if thin {
+            let place = self.report.field(node, "priority");
+            let label = "a pane has no inside";
+            let help = "remove `priority`; or remove `thin: true` if this is the surface of a body";
+            let message = "a thin pane with a priority";
+            return self.report.reject(place, message, label, help);
+        }
+        Some(())
     }
 
     /// The material an object asks for.

@@ -34,9 +34,21 @@ impl<'d> Builder<'d> {
         let material = d.material.as_ref().and_then(|m| self.chosen_material(m));
         let transform = self.placement(d.at.as_ref());
         let (shape, material, transform) = (shape?, material?, transform.ok()?);
-        if let Material::Dielectric { thin: false, .. } = material {
-            self.check_closed(*node, d, &shape)?;
-        }
+        let material = match material {
+            Material::Dielectric {
+                ior,
+                thin: false,
+                priority,
+            } => {
+                self.check_closed(*node, d, &shape)?;
+                Material::Dielectric {
+                    ior,
+                    thin: false,
+                    priority: self.priority_of(*node, d, priority)?,
+                }
+            }
+            other => other,
+        };
         let object = Object {
             name,
             material,
@@ -47,6 +59,27 @@ impl<'d> Builder<'d> {
             instance: Instance { shape, transform },
             node: *node,
         })
+    }
+
+    /// The priority among bodies; an open surface is none of them.
+    fn priority_of(
+        &mut self,
+        node: NodeId,
+        d: &ObjectDescription,
+        priority: Option<i8>,
+    ) -> Option<Option<i8>> {
+        if !d.open {
+            return Some(priority);
+        }
+        if priority.is_none_or(|p| p == 0) {
+            return Some(None);
+        }
+        let place = self.report.field(node, "material");
+        let label = "the object says `open: true`";
+        let help = "only closed bodies can overlap: close the shape, or leave `priority` out of \
+                    the material and say with `outside` which index is in front of the surface";
+        let message = "an open surface with a priority";
+        self.report.reject(place, message, label, help)
     }
 
     /// Glass must enclose its medium, or say that it doesn't.

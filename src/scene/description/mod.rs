@@ -125,6 +125,10 @@ pub enum MaterialDescription {
     Dielectric {
         /// Index of refraction.
         ior: Number,
+        /// Index in front of the surface: it states both of its media.
+        outside: Option<Number>,
+        /// Whose medium is there where bodies overlap.
+        priority: Option<Number>,
         /// A pane with both its interfaces.
         #[serde(default)]
         thin: bool,

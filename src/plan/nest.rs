@@ -1,0 +1,286 @@
+//! Bodies of clear media that overlap: whose medium is where.
+//!
+//! Bodies are ranked by priority, those of equal priority by their order in
+//! the scene, the later ones higher. Where bodies overlap, the medium of the
+//! highest rank is there, and nothing is seen of the surfaces of the others
+//! (C. Schmidt and B. Budge, *Simple Nested Dielectrics in Ray Traced Images*,
+//! Journal of Graphics Tools 7(2), 2002). So the medium is a function of the
+//! place alone, and light takes the same ways in both directions.
+
+use glam::DVec3;
+
+use crate::{
+    geometry::{Aabb, BoundingSphere, World},
+    material::Material,
+    scene::Scene,
+};
+
+use super::Media;
+
+/// A closed object of a clear medium.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Body {
+    /// Its instance in the world.
+    instance: u32,
+    /// Its index of refraction.
+    ior: f64,
+    /// Its priority.
+    priority: i8,
+}
+
+/// What a path finds where it meets the surface of a body.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Crossing {
+    /// The bodies on the near side of the surface.
+    pub near: Media,
+    /// The bodies on its far side.
+    pub beyond: Media,
+    /// Index behind the surface over the index in front of it; `None` if
+    /// another medium fills both sides, and there is nothing to see.
+    pub ior: Option<f64>,
+}
+
+/// The bodies of a scene and their ranks.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Nest {
+    /// By rank.
+    bodies: Vec<Body>,
+    /// The rank of each instance; `None` if it is no body.
+    ranks: Vec<Option<u32>>,
+}
+
+impl Nest {
+    /// All bodies of a scene.
+    pub fn of(scene: &Scene) -> Self {
+        let mut bodies: Vec<Body> = (0u32..)
+            .zip(&scene.objects)
+            .filter_map(|(instance, object)| match object.material {
+                Material::Dielectric {
+                    ior,
+                    thin: false,
+                    priority: Some(priority),
+                } => Some(Body {
+                    instance,
+                    ior,
+                    priority,
+                }),
+                _ => None,
+            })
+            .collect();
+        // Stable: later objects stay behind earlier ones.
+        bodies.sort_by_key(|b| b.priority);
+        let mut ranks = vec![None; scene.objects.len()];
+        for (rank, body) in (0u32..).zip(&bodies) {
+            ranks[body.instance as usize] = Some(rank);
+        }
+        Self { bodies, ranks }
+    }
+
+    /// Whether any two bodies may overlap: their boxes do, and their spheres.
+    pub fn may_overlap(&self, world: &World) -> bool {
+        let mut found = false;
+        self.pairs(world, |_, _| {
+            found = true;
+            false
+        });
+        found
+    }
+
+    /// The rank of an instance; `None` if it is no body.
+    #[inline]
+    pub fn rank(&self, instance: u32) -> Option<u32> {
+        self.ranks[instance as usize]
+    }
+
+    /// The instance of the body whose medium is there; `None` outside of all.
+    pub fn medium(&self, media: &Media) -> Option<u32> {
+        media.top().map(|r| self.bodies[r as usize].instance)
+    }
+
+    /// The index of refraction where a path is in `media`.
+    #[inline]
+    fn index(&self, media: &Media) -> f64 {
+        media.top().map_or(1.0, |r| self.bodies[r as usize].ior)
+    }
+
+    /// What a path in `media` finds at the surface of an instance that it
+    /// enters or leaves; `None` if that is no body.
+    ///
+    /// That it enters shows that it was outside, whatever `media` says, and
+    /// the other way round: a surface that was missed, by a rounding or where
+    /// two coincide, is made up for at the next one of the same body.
+    #[inline]
+    pub fn crossing(&self, instance: u32, enters: bool, media: &Media) -> Option<Crossing> {
+        let rank = self.rank(instance)?;
+        let (out, within) = (media.without(rank), media.with(rank));
+        let hidden = out.top().is_some_and(|other| other > rank);
+        let ior = (!hidden).then(|| self.bodies[rank as usize].ior / self.index(&out));
+        let (near, beyond) = if enters { (out, within) } else { (within, out) };
+        Some(Crossing { near, beyond, ior })
+    }
+
+    /// The bodies in which a point lies.
+    pub fn around(&self, world: &World, p: DVec3) -> Media {
+        let inside = |(_, body): &(u32, &Body)| world.encloses(body.instance, p);
+        let found = (0u32..).zip(&self.bodies).filter(inside);
+        found.fold(Media::NONE, |media, (rank, _)| media.with(rank))
+    }
+
+    /// Where in a sphere paths start: what is known of all its points.
+    pub fn start(&self, world: &World, sphere: &BoundingSphere) -> Start {
+        let center = sphere.center;
+        let is_body = |i: u32| self.rank(i).is_some();
+        let (unsure, _) = world.neighbours(center, sphere.radius, is_body);
+        let unsure: Vec<(u32, u32)> = unsure
+            .into_iter()
+            .filter_map(|i| Some((self.rank(i)?, i)))
+            .collect();
+        let sure = unsure
+            .iter()
+            .fold(self.around(world, center), |media, &(rank, _)| {
+                media.without(rank)
+            });
+        Start { sure, unsure }
+    }
+
+    /// The same where paths start anywhere on a plane.
+    pub fn start_on_plane(&self, world: &World, p: DVec3, normal: DVec3) -> Start {
+        let meets = |body: &Body| {
+            world.instance_bounds(body.instance).is_none_or(|b| {
+                let reach = b.half_diagonal().dot(normal.abs());
+                (b.center() - p).dot(normal).abs() <= reach
+            })
+        };
+        let unsure = (0u32..)
+            .zip(&self.bodies)
+            .filter(|(_, body)| meets(body))
+            .map(|(rank, body)| (rank, body.instance))
+            .collect();
+        Start {
+            sure: Media::NONE,
+            unsure,
+        }
+    }
+
+    /// Two bodies of the same priority and different media that overlap, in
+    /// the order of the scene: the later one wins, which may not be meant.
+    /// Overlaps are looked for at some points of each pair, so small ones may
+    /// stay unseen; what is found is one.
+    pub fn tie(&self, world: &World) -> Option<[u32; 2]> {
+        let mut found = None;
+        let mut looked = 0;
+        self.pairs(world, |a, b| {
+            let differ = a.priority == b.priority && a.ior != b.ior;
+            if differ && share_a_point(world, a, b) {
+                let (a, b) = (a.instance, b.instance);
+                found = Some([a.min(b), a.max(b)]);
+            }
+            looked += u32::from(differ);
+            found.is_none() && looked < MOST_PAIRS
+        });
+        found
+    }
+
+    /// Calls `f` with pairs of bodies that may overlap until it returns
+    /// `false`. Boxes are sorted along the axis on which they spread most.
+    fn pairs(&self, world: &World, mut f: impl FnMut(&Body, &Body) -> bool) {
+        let everywhere = Aabb {
+            min: DVec3::NEG_INFINITY,
+            max: DVec3::INFINITY,
+        };
+        let mut boxes: Vec<(&Body, Aabb)> = self
+            .bodies
+            .iter()
+            .map(|b| (b, world.instance_bounds(b.instance).unwrap_or(everywhere)))
+            .collect();
+        let axis = widest_axis(&boxes);
+        boxes.sort_by(|a, b| a.1.min[axis].total_cmp(&b.1.min[axis]));
+        for (i, (a, a_box)) in boxes.iter().enumerate() {
+            for (b, b_box) in &boxes[i + 1..] {
+                if b_box.min[axis] > a_box.max[axis] {
+                    break;
+                }
+                if overlap(a_box, b_box) && near(world, a, b) && !f(a, b) {
+                    return;
+                }
+            }
+        }
+    }
+}
+
+/// Where paths start: the bodies around all of the places, and those whose
+/// surfaces pass between them.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Start {
+    sure: Media,
+    /// Rank and instance.
+    unsure: Vec<(u32, u32)>,
+}
+
+impl Start {
+    /// The bodies around one of the places.
+    #[inline]
+    pub fn at(&self, world: &World, p: DVec3) -> Media {
+        self.unsure
+            .iter()
+            .filter(|&&(_, instance)| world.encloses(instance, p))
+            .fold(self.sure, |media, &(rank, _)| media.with(rank))
+    }
+
+    /// The bodies around all of the places.
+    pub fn sure(&self) -> &Media {
+        &self.sure
+    }
+
+    /// The instances whose surfaces pass between the places.
+    pub fn unsure(&self) -> impl Iterator<Item = u32> + '_ {
+        self.unsure.iter().map(|&(_, instance)| instance)
+    }
+}
+
+/// Pairs of bodies, and points of each, that are looked at for a tie.
+const MOST_PAIRS: u32 = 1000;
+const POINTS: u32 = 64;
+
+/// The axis along which boxes spread most.
+fn widest_axis(boxes: &[(&Body, Aabb)]) -> usize {
+    let spread = |axis: usize| {
+        let ends = boxes.iter().map(|(_, b)| b.min[axis]);
+        ends.clone().fold(f64::NEG_INFINITY, f64::max) - ends.fold(f64::INFINITY, f64::min)
+    };
+    (0..3)
+        .max_by(|&a, &b| spread(a).total_cmp(&spread(b)))
+        .unwrap_or(0)
+}
+
+/// Whether two boxes have a point in common.
+fn overlap(a: &Aabb, b: &Aabb) -> bool {
+    a.min.cmple(b.max).all() && b.min.cmple(a.max).all()
+}
+
+/// Whether two bodies' spheres have a point in common.
+fn near(world: &World, a: &Body, b: &Body) -> bool {
+    let sphere = |body: &Body| world.instance_sphere(body.instance);
+    let (Some(a), Some(b)) = (sphere(a), sphere(b)) else {
+        return true;
+    };
+    a.center.distance(b.center) <= a.radius + b.radius
+}
+
+/// Whether one of some points in the boxes of two bodies lies in both. The
+/// points are those of a lattice whose steps are powers of a root of
+/// `x^4 = x + 1`, which leaves no large gaps.
+fn share_a_point(world: &World, a: &Body, b: &Body) -> bool {
+    const ROOT: f64 = 1.220_744_084_605_759_5;
+    let bounds = |body: &Body| world.instance_bounds(body.instance);
+    let (Some(p), Some(q)) = (bounds(a), bounds(b)) else {
+        return false;
+    };
+    let (min, max) = (p.min.max(q.min), p.max.min(q.max));
+    let step = DVec3::new(1.0, ROOT, ROOT * ROOT) / (ROOT * ROOT * ROOT);
+    (0..POINTS).any(|i| {
+        let u = (DVec3::splat(0.5) + step * f64::from(i)).fract();
+        let at = min + (max - min) * u;
+        world.encloses(a.instance, at) && world.encloses(b.instance, at)
+    })
+}
