@@ -6,9 +6,10 @@ use std::collections::BTreeMap;
 use glam::DVec3;
 use nephroid::{
     geometry::{Ray, SurfaceId},
+    plan::{Media, Plan},
     sampling::{Purpose, Sequence, Stream, warp},
-    scene::{self, Scene},
-    transport::{Bend, Carried, Differential, Lobes, Pair, lobes},
+    scene,
+    transport::{Bend, Carried, Context, Differential, LightPicker, Lobes, Pair, lobes, meet},
 };
 
 /// Every shape, in glass and in metal, some of them sheared or mirrored, some
@@ -41,6 +42,10 @@ const SCENE: &str = r#"(
             vertices: [(1, 0, 0), (-1, 0, 0), (0, 1, 0), (0, -1, 0), (0, 0, 1), (0, 0, -1)],
             triangles: [(0, 2, 4), (2, 1, 4), (1, 3, 4), (3, 0, 4), (2, 0, 5), (1, 2, 5), (3, 1, 5), (0, 3, 5)],
         ), material: "glass", at: (scale: (1, 1.2, 1.4), translate: (3, -2, 2))),
+        // Oil that reaches into the ball, a bubble in both, and what is hidden in the bubble.
+        (name: "oil", shape: Sphere(center: (3.2, 0.6, 0.5), radius: 0.9), material: Dielectric(ior: 1.4, priority: -1)),
+        (name: "bubble", shape: Sphere(center: (3.4, 0.3, 0.2), radius: 0.7), material: Dielectric(ior: 1, priority: 1)),
+        (name: "hidden", shape: Sphere(center: (3.4, 0.3, 0.2), radius: 0.4), material: Dielectric(ior: 2)),
     ],
     lights: [Point(position: (0, 0, 0), power: 1)],
 )"#;
@@ -87,26 +92,22 @@ impl Bundle {
 
     /// Follows the ray that lies `u` beside the bundle's own, to the last
     /// surface before it is scattered for the sixth time.
-    fn follow(&self, scene: &Scene, u: [f64; 2]) -> Option<Path> {
+    fn follow(&self, ctx: &Context<'_>, u: [f64; 2]) -> Option<Path> {
         let [dp, dd] = [self.pair.dp, self.pair.dd].map(|v| {
             let [a, b] = v.to_array();
             a * u[0] + b * u[1]
         });
         let mut ray = Ray::new(self.origin + dp, (self.dir + dd).normalize());
+        let mut media = Media::NONE;
         let mut differential = Differential::new();
         differential.push(self.pair);
         let (mut surfaces, mut kinds) = (Vec::new(), Vec::new());
         for second in self.second {
-            let hit = scene.world.closest(&ray, f64::INFINITY)?;
-            let point = scene.world.surface(&ray, &hit);
+            let met = meet(ctx, &ray, f64::INFINITY, &media)?;
+            let (hit, point) = (met.hit, met.point);
             differential.transfer(ray.dir, hit.t, point.ng);
             surfaces.push(hit.surface);
-            let lobe = match lobes(
-                &scene.object(hit.surface).material,
-                &point,
-                ray.dir,
-                Carried::Flux,
-            ) {
+            let lobe = match lobes(&met.material, &point, ray.dir, Carried::Flux) {
                 Some(Lobes::Two(_, b)) if second => b,
                 Some(Lobes::One(a) | Lobes::Two(a, _)) => a,
                 None => {
@@ -124,7 +125,9 @@ impl Bundle {
                 Bend::Mirror { .. } => 1,
                 Bend::Refract { .. } => 2,
             });
-            differential.bend(ray.dir, &lobe.bend, &scene.world.turning(&hit, &point));
+            let turning = ctx.scene.world.turning(&hit, &point);
+            differential.bend(ray.dir, &lobe.bend, &turning);
+            media = met.media_along(&lobe);
             ray = point.spawn(lobe.dir);
         }
         None
@@ -133,12 +136,12 @@ impl Bundle {
 
 /// Central differences of what a path ends with; `None` where neighbours take
 /// another way.
-fn differences(scene: &Scene, bundle: &Bundle, path: &Path, h: f64) -> Option<[[DVec3; 2]; 2]> {
+fn differences(ctx: &Context<'_>, bundle: &Bundle, path: &Path, h: f64) -> Option<[[DVec3; 2]; 2]> {
     let mut out = [[DVec3::ZERO; 2]; 2];
     for k in 0..2 {
         let mut u = [0.0; 2];
         u[k] = h;
-        let [a, b] = [u, u.map(|x| -x)].map(|u| bundle.follow(scene, u));
+        let [a, b] = [u, u.map(|x| -x)].map(|u| bundle.follow(ctx, u));
         let (a, b) = (a?, b?);
         for side in [&a, &b] {
             if side.surfaces != path.surfaces || side.kinds != path.kinds {
@@ -154,15 +157,22 @@ fn differences(scene: &Scene, bundle: &Bundle, path: &Path, h: f64) -> Option<[[
 #[test]
 fn derivatives_follow_every_chain_of_surfaces() {
     let scene = scene::load_str(SCENE, "ring.ron", ".".as_ref()).expect("a sound scene");
+    let plan = Plan::new(&scene, &scene.settings);
+    let ctx = Context {
+        scene: &scene,
+        plan: &plan,
+        picker: &LightPicker::new(&scene),
+        max_depth: scene.settings.max_depth,
+    };
     let (mut tested, mut doubtful) = (0, 0);
     let mut met = BTreeMap::<(u32, u8), u32>::new();
     for i in 0..6000 {
         let mut s = Sequence::new(4, Purpose::Pilot, 0, i).at(0);
         let bundle = Bundle::draw(&mut s);
-        let Some(path) = bundle.follow(&scene, [0.0; 2]) else {
+        let Some(path) = bundle.follow(&ctx, [0.0; 2]) else {
             continue;
         };
-        let [coarse, fine] = [4e-6, 1e-6].map(|h| differences(&scene, &bundle, &path, h));
+        let [coarse, fine] = [4e-6, 1e-6].map(|h| differences(&ctx, &bundle, &path, h));
         let (Some(coarse), Some(fine)) = (coarse, fine) else {
             continue;
         };
@@ -209,10 +219,16 @@ fn derivatives_follow_every_chain_of_surfaces() {
         (9, &[1]),
         (10, &[1, 2]),
         (11, &[1, 2]),
+        (12, &[1, 2]),
+        (13, &[2]),
     ] {
         for kind in kinds {
             let count = met.get(&(name, *kind)).copied().unwrap_or(0);
             assert!(count >= 10, "object {name}, kind {kind}: met {count} times");
         }
     }
+    assert!(
+        !met.keys().any(|&(instance, _)| instance == 14),
+        "what is hidden is never met"
+    );
 }

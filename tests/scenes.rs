@@ -17,7 +17,7 @@ use nephroid::{
     sampling::{Purpose, Sequence, warp},
     scene::{self, Scene, Summary},
     spectrum::Rgb,
-    transport::{Carried, Context, LightPicker, Lobe, Lobes, lobes, transmittance},
+    transport::{Carried, Context, LightPicker, Lobe, Lobes, Walker, lobes, meet, transmittance},
 };
 
 fn folder() -> PathBuf {
@@ -410,5 +410,75 @@ fn every_scene_balances_and_ignores_threads() {
         let five = small_pass(&scene, 5);
         assert_eq!(one.tally, five.tally, "{name}: watts");
         assert!(one.samples == five.samples, "{name}: pixels");
+    }
+}
+
+/// What the headers of the scenes with water know.
+#[test]
+fn water_meets_glass_and_air_as_the_headers_say() {
+    let scene = load("water_glass.ron");
+    let plan = Plan::new(&scene, &scene.settings);
+    let picker = LightPicker::new(&scene);
+    let ctx = Context {
+        scene: &scene,
+        plan: &plan,
+        picker: &picker,
+        max_depth: scene.settings.max_depth,
+    };
+    // From the middle of the water straight at the conical wall.
+    let nest = &plan.nest.as_ref().expect("bodies in each other").nest;
+    let name = |i: Option<u32>| i.map(|i| scene.objects[i as usize].name.as_str());
+    for (from, medium, share) in [
+        (DVec3::new(0.0, 0.2, 0.3), "water", (0.17f64 / 2.83).powi(2)),
+        (DVec3::new(0.0, 0.2, 0.85), "", 0.04),
+    ] {
+        let media = nest.around(&scene.world, from);
+        assert_eq!(name(nest.medium(&media)).unwrap_or(""), medium);
+        let first = meet(&ctx, &Ray::new(from, DVec3::Y), 9.0, &media).expect("the wall");
+        let ray = Ray::new(from, -first.point.ns);
+        let met = meet(&ctx, &ray, 9.0, &media).expect("the wall");
+        assert_eq!(name(nest.medium(&met.beyond)), Some("tumbler"));
+        let Some(Lobes::Two(reflected, _)) =
+            lobes(&met.material, &met.point, ray.dir, Carried::Flux)
+        else {
+            panic!("light splits at the wall");
+        };
+        // Normals of the true cone, interpolated: nearly straight on.
+        assert!((reflected.share / share - 1.0).abs() < 1e-3, "{medium}");
+    }
+    let bubble = DVec3::new(-0.13, -0.12, 0.36);
+    for (height, lobes_there) in [(0.0375, 2), (0.0377, 1)] {
+        let ray = Ray::new(bubble + DVec3::new(0.0, -0.06, height), DVec3::Y);
+        let media = nest.around(&scene.world, ray.origin);
+        let met = meet(&ctx, &ray, 9.0, &media).expect("the bubble");
+        let found = lobes(&met.material, &met.point, ray.dir, Carried::Flux);
+        let count = match found {
+            Some(Lobes::Two(..)) => 2,
+            _ => 1,
+        };
+        assert_eq!(count, lobes_there, "at {height}");
+    }
+}
+
+#[test]
+fn the_window_under_water_is_as_wide_as_snell_says() {
+    let scene = load("underwater.ron");
+    let plan = Plan::new(&scene, &scene.settings);
+    let picker = LightPicker::new(&scene);
+    let ctx = Context {
+        scene: &scene,
+        plan: &plan,
+        picker: &picker,
+        max_depth: scene.settings.max_depth,
+    };
+    let eye = DVec3::new(0.0, 0.0, 0.4);
+    for (away, sky) in [(1.820, true), (1.830, false)] {
+        // Away from bubbles and buoy.
+        let to = DVec3::new(-away, 0.0, 2.0);
+        let walker = Walker::from_camera(&ctx, Ray::new(eye, (to - eye).normalize()));
+        let met = meet(&ctx, &walker.ray, 9.0, &walker.media).expect("the surface");
+        assert!((met.point.p - to).length() < 1e-9);
+        let found = lobes(&met.material, &met.point, walker.ray.dir, Carried::Radiance);
+        assert_eq!(matches!(found, Some(Lobes::Two(..))), sky, "{away} m away");
     }
 }
