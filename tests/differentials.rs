@@ -73,9 +73,13 @@ fn any(s: &mut Stream, size: f64) -> DVec3 {
 }
 
 impl Bundle {
-    fn draw(s: &mut Stream) -> Self {
+    /// Towards anything, or into the bodies that lie in each other.
+    fn draw(s: &mut Stream, nested: bool) -> Self {
         let origin = any(s, 2.0);
-        let dir = warp::sphere(s.next_2d()).normalize();
+        let mut dir = warp::sphere(s.next_2d()).normalize();
+        if nested {
+            dir = (DVec3::new(3.4, 0.3, 0.2) + dir * 0.6 - origin).normalize();
+        }
         let across = |v: DVec3| v - dir * v.dot(dir);
         let pair = Pair {
             dp: [any(s, 1.0), any(s, 1.0)].into(),
@@ -166,9 +170,9 @@ fn derivatives_follow_every_chain_of_surfaces() {
     };
     let (mut tested, mut doubtful) = (0, 0);
     let mut met = BTreeMap::<(u32, u8), u32>::new();
-    for i in 0..6000 {
+    for i in 0..7000 {
         let mut s = Sequence::new(4, Purpose::Pilot, 0, i).at(0);
-        let bundle = Bundle::draw(&mut s);
+        let bundle = Bundle::draw(&mut s, i >= 6000);
         let Some(path) = bundle.follow(&ctx, [0.0; 2]) else {
             continue;
         };
@@ -220,7 +224,7 @@ fn derivatives_follow_every_chain_of_surfaces() {
         (10, &[1, 2]),
         (11, &[1, 2]),
         (12, &[1, 2]),
-        (13, &[2]),
+        (13, &[1, 2]),
     ] {
         for kind in kinds {
             let count = met.get(&(name, *kind)).copied().unwrap_or(0);
