@@ -6,15 +6,15 @@ pub const MOST_MEDIA: usize = 7;
 /// The bodies of clear media in which a point lies, by rank: the one of the
 /// highest rank fills the place.
 ///
-/// A small set without allocation. Where more than [`MOST_MEDIA`] bodies
+/// A small set without allocation, of 16 bytes: paths are copied often. Where more than [`MOST_MEDIA`] bodies
 /// overlap, the ones of the lowest ranks are forgotten; a path that leaves a
 /// forgotten body and all above it believes to be outside until it meets the
 /// body's surface.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Media {
     /// Ascending; zero behind the last.
-    ranks: [u32; MOST_MEDIA],
-    count: u32,
+    ranks: [u16; MOST_MEDIA],
+    count: u16,
 }
 
 impl Media {
@@ -25,18 +25,18 @@ impl Media {
     };
 
     /// The ranks of the bodies, ascending.
-    pub fn ranks(&self) -> &[u32] {
+    pub fn ranks(&self) -> &[u16] {
         &self.ranks[..self.count as usize]
     }
 
     /// The highest rank: whose medium is there. `None` outside of all bodies.
-    pub fn top(&self) -> Option<u32> {
+    pub fn top(&self) -> Option<u16> {
         self.ranks().last().copied()
     }
 
     /// Inside the body of a rank, too.
     #[must_use]
-    pub fn with(mut self, rank: u32) -> Self {
+    pub fn with(mut self, rank: u16) -> Self {
         let count = self.count as usize;
         let at = self.ranks().partition_point(|&r| r < rank);
         if self.ranks().get(at) == Some(&rank) {
@@ -55,7 +55,7 @@ impl Media {
 
     /// Outside of the body of a rank.
     #[must_use]
-    pub fn without(mut self, rank: u32) -> Self {
+    pub fn without(mut self, rank: u16) -> Self {
         let count = self.count as usize;
         let at = self.ranks().partition_point(|&r| r < rank);
         if self.ranks().get(at) == Some(&rank) {
@@ -79,7 +79,7 @@ mod tests {
         /// Against the standard library's set, whose lowest member goes where
         /// there are too many.
         #[test]
-        fn a_set_that_forgets_the_lowest(steps in proptest::collection::vec((0u32..12, any::<bool>()), 0..60)) {
+        fn a_set_that_forgets_the_lowest(steps in proptest::collection::vec((0u16..12, any::<bool>()), 0..60)) {
             let (mut media, mut set) = (Media::NONE, BTreeSet::new());
             for (rank, enters) in steps {
                 if enters {
@@ -92,7 +92,7 @@ mod tests {
                     media = media.without(rank);
                     set.remove(&rank);
                 }
-                let expected: Vec<u32> = set.iter().copied().collect();
+                let expected: Vec<u16> = set.iter().copied().collect();
                 prop_assert_eq!(media.ranks(), expected.as_slice());
                 prop_assert_eq!(media.top(), set.last().copied());
                 // No trace of the way remains: equal sets are equal values.

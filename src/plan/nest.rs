@@ -17,6 +17,10 @@ use crate::{
 
 use super::Media;
 
+/// Most bodies that take part; of more, those of the lowest ranks do as if
+/// they were alone in air.
+const MOST_BODIES: usize = 1 << 15;
+
 /// A closed object of a clear medium.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Body {
@@ -46,7 +50,7 @@ pub struct Nest {
     /// By rank.
     bodies: Vec<Body>,
     /// The rank of each instance; `None` if it is no body.
-    ranks: Vec<Option<u32>>,
+    ranks: Vec<Option<u16>>,
 }
 
 impl Nest {
@@ -69,8 +73,9 @@ impl Nest {
             .collect();
         // Stable: later objects stay behind earlier ones.
         bodies.sort_by_key(|b| b.priority);
+        bodies.drain(..bodies.len().saturating_sub(MOST_BODIES));
         let mut ranks = vec![None; scene.objects.len()];
-        for (rank, body) in (0u32..).zip(&bodies) {
+        for (rank, body) in (0u16..).zip(&bodies) {
             ranks[body.instance as usize] = Some(rank);
         }
         Self { bodies, ranks }
@@ -88,7 +93,7 @@ impl Nest {
 
     /// The rank of an instance; `None` if it is no body.
     #[inline]
-    pub fn rank(&self, instance: u32) -> Option<u32> {
+    pub fn rank(&self, instance: u32) -> Option<u16> {
         self.ranks[instance as usize]
     }
 
@@ -121,8 +126,8 @@ impl Nest {
 
     /// The bodies in which a point lies.
     pub fn around(&self, world: &World, p: DVec3) -> Media {
-        let inside = |(_, body): &(u32, &Body)| world.encloses(body.instance, p);
-        let found = (0u32..).zip(&self.bodies).filter(inside);
+        let inside = |(_, body): &(u16, &Body)| world.encloses(body.instance, p);
+        let found = (0u16..).zip(&self.bodies).filter(inside);
         found.fold(Media::NONE, |media, (rank, _)| media.with(rank))
     }
 
@@ -131,7 +136,7 @@ impl Nest {
         let center = sphere.center;
         let is_body = |i: u32| self.rank(i).is_some();
         let (unsure, _) = world.neighbours(center, sphere.radius, is_body);
-        let unsure: Vec<(u32, u32)> = unsure
+        let unsure: Vec<(u16, u32)> = unsure
             .into_iter()
             .filter_map(|i| Some((self.rank(i)?, i)))
             .collect();
@@ -151,7 +156,7 @@ impl Nest {
                 (b.center() - p).dot(normal).abs() <= reach
             })
         };
-        let unsure = (0u32..)
+        let unsure = (0u16..)
             .zip(&self.bodies)
             .filter(|(_, body)| meets(body))
             .map(|(rank, body)| (rank, body.instance))
@@ -214,10 +219,18 @@ impl Nest {
 pub struct Start {
     sure: Media,
     /// Rank and instance.
-    unsure: Vec<(u32, u32)>,
+    unsure: Vec<(u16, u32)>,
 }
 
 impl Start {
+    /// Inside the body of a rank and no other.
+    pub fn inside(rank: u16) -> Self {
+        Self {
+            sure: Media::NONE.with(rank),
+            unsure: Vec::new(),
+        }
+    }
+
     /// The bodies around one of the places.
     #[inline]
     pub fn at(&self, world: &World, p: DVec3) -> Media {

@@ -22,9 +22,11 @@ impl Starts {
     pub fn new(scene: &Scene, nest: &Nest) -> Self {
         let world = &scene.world;
         let eye = scene.camera.eye();
-        let camera = match scene.camera.film_normal() {
-            Some(normal) => nest.start_on_plane(world, eye, normal),
-            None => nest.start(world, &at(eye)),
+        let stated = scene.camera_medium.and_then(|i| nest.rank(i));
+        let camera = match (stated, scene.camera.film_normal()) {
+            (Some(rank), _) => Start::inside(rank),
+            (None, Some(normal)) => nest.start_on_plane(world, eye, normal),
+            (None, None) => nest.start(world, &at(eye)),
         };
         let light = |light: &NamedLight| match extent(scene, light) {
             Some(sphere) => nest.start(world, &sphere),

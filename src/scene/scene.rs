@@ -43,6 +43,9 @@ pub struct Scene {
     pub lights: Vec<NamedLight>,
     /// The view.
     pub camera: Camera,
+    /// The instance of the body in which the scene says that the camera
+    /// stands; `None` where that is to be found.
+    pub camera_medium: Option<u32>,
     /// Image width and height in pixels.
     pub resolution: [u32; 2],
     /// How a pixel averages the picture.

@@ -31,6 +31,7 @@ pub(super) fn expectation(field: &str) -> Option<&'static str> {
             "a colour: a number, `(r, g, b)` or \"#rrggbb\""
         }
         "ior" | "outside" => "an index of refraction, at least 1",
+        "medium" => "the name of a closed object of a clear medium, as a text",
         "priority" => "a whole number from -128 to 127",
         "thin" | "open" | "capped" | "indirect" => "`true` or `false`",
         "file" => "the path of an OBJ or PLY file, as a text",

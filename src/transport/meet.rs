@@ -47,7 +47,16 @@ impl Met {
 #[inline(always)]
 pub fn meet(ctx: &Context<'_>, ray: &Ray, t_max: f64, media: &Media) -> Option<Met> {
     if let Some(nested) = &ctx.plan.nest {
-        return meet_nested(ctx, &nested.nest, *ray, t_max, *media);
+        // Taken apart, so that the other way stays in registers.
+        let (hit, point, material, near, beyond) =
+            meet_nested(ctx, &nested.nest, *ray, t_max, *media)?;
+        return Some(Met {
+            hit,
+            point,
+            material,
+            near,
+            beyond,
+        });
     }
     let hit = ctx.scene.world.closest(ray, t_max)?;
     Some(Met {
@@ -71,31 +80,22 @@ fn meet_nested(
     mut ray: Ray,
     t_max: f64,
     mut media: Media,
-) -> Option<Met> {
+) -> Option<(Hit, SurfacePoint, Material, Media, Media)> {
     let world = &ctx.scene.world;
     let mut way = 0.0;
     for _ in 0..MOST_HIDDEN {
         let hit = world.closest(&ray, t_max - way)?;
         let point = world.surface(&ray, &hit);
         way += hit.t;
-        let met = Met {
-            hit: Hit { t: way, ..hit },
-            point,
-            material: ctx.scene.object(hit.surface).material,
-            near: media,
-            beyond: media,
-        };
+        let hit = Hit { t: way, ..hit };
+        let material = ctx.scene.object(hit.surface).material;
         let enters = point.ng.dot(ray.dir) < 0.0;
         let Some(crossing) = nest.crossing(hit.surface.instance, enters, &media) else {
-            return Some(met);
+            return Some((hit, point, material, media, media));
         };
         if let Some(ior) = crossing.ior {
-            return Some(Met {
-                material: met.material.with_index(ior),
-                near: crossing.near,
-                beyond: crossing.beyond,
-                ..met
-            });
+            let material = material.with_index(ior);
+            return Some((hit, point, material, crossing.near, crossing.beyond));
         }
         media = crossing.beyond;
         ray = point.spawn(ray.dir);

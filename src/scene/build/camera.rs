@@ -1,11 +1,13 @@
 //! The camera, the image and the settings.
 
-use super::{Builder, checks::unit};
+use super::{Builder, BuiltObject, checks::unit};
 use crate::{
     camera::{Camera, Filter},
+    material::Material,
     numeric::gamma,
     scene::{
         Settings,
+        decode::short,
         description::{self, Memory, Number, Part, RenderDescription},
         outline::NodeId,
     },
@@ -99,6 +101,31 @@ impl Builder<'_> {
             0 => Some(Camera::perspective(eye, look_at, up, fov?, resolution)),
             _ => Some(Camera::orthographic(eye, look_at, up, height?, resolution)),
         }
+    }
+
+    /// The object that the camera says it stands in.
+    pub(super) fn camera_medium(&mut self, objects: &[BuiltObject]) -> Option<u32> {
+        let Part { node, value } = self.description.camera.as_ref()?;
+        let name = value.medium.as_ref()?;
+        let place = self.report.field(*node, "medium");
+        let Some(index) = objects.iter().position(|o| o.object.name == *name) else {
+            // Where objects are broken, the one that is meant may be among them.
+            if objects.len() == self.description.objects.len() {
+                self.dangling(place, "object", "objects", name);
+            }
+            return None;
+        };
+        if let Material::Dielectric {
+            priority: Some(_), ..
+        } = objects[index].object.material
+        {
+            return Some(index as u32);
+        }
+        let message = format!("the camera cannot be inside \"{}\"", short(name));
+        let label = "expected a closed object of a clear medium";
+        let help = "mirrors, panes, open surfaces and those with `outside` are no bodies; \
+                    leave `medium` out, and it is found";
+        self.report.reject(place, message, label, help)
     }
 
     fn field_of_view(&mut self, node: NodeId, fov: Number) -> Option<f64> {

@@ -5,7 +5,7 @@ use crate::{
     material::Material,
     scene::{
         decode::{list, short, suggest},
-        description::{MaterialChoice, MaterialDescription, Number, Part},
+        description::{Description, MaterialChoice, MaterialDescription, Number, Part},
         outline::NodeId,
     },
 };
@@ -140,6 +140,7 @@ impl<'d> Builder<'d> {
         let description = self.description;
         let names: Vec<&str> = match section {
             "materials" => names_of(&description.materials),
+            "objects" => named_objects(description),
             _ => names_of(&description.meshes),
         };
         let label = match names.as_slice() {
@@ -156,9 +157,20 @@ impl<'d> Builder<'d> {
     }
 }
 
+/// Names in which the one that was meant is looked for.
+const MOST: usize = 1000;
+
+/// The first names of objects.
+fn named_objects(description: &Description) -> Vec<&str> {
+    let names = description
+        .objects
+        .iter()
+        .filter_map(|o| o.value.name.as_deref());
+    names.take(MOST).collect()
+}
+
 /// The first names of a section: enough to look for the one that was meant.
 fn names_of<T>(entries: &[(String, T)]) -> Vec<&str> {
-    const MOST: usize = 1000;
     entries
         .iter()
         .take(MOST)

@@ -74,12 +74,15 @@ pub(super) fn build(
     let camera = builder.camera(image.map_or([1, 1], |i| i.resolution));
     let settings = builder.settings(image.and_then(|i| i.exposure));
     let objects = builder.objects();
+    let camera_medium = builder.camera_medium(&objects);
     let lights = builder.lights();
     builder.refuse_endless_casters(&objects, &lights);
     if !builder.report.diagnostics.is_empty() {
         return None;
     }
-    Some(assemble(objects, lights, camera?, image?, settings))
+    let mut scene = assemble(objects, lights, camera?, image?, settings);
+    scene.camera_medium = camera_medium;
+    Some(scene)
 }
 
 /// Puts the parts together; lights with a shape follow the objects.
@@ -123,6 +126,7 @@ fn assemble(
         objects,
         lights,
         camera,
+        camera_medium: None,
         resolution: image.resolution,
         filter: image.filter,
         settings,

@@ -41,10 +41,11 @@ impl<'d> Builder<'d> {
                 priority,
             } => {
                 self.check_closed(*node, d, &shape)?;
+                self.check_priority(*node, d, priority)?;
                 Material::Dielectric {
                     ior,
                     thin: false,
-                    priority: self.priority_of(*node, d, priority)?,
+                    priority: priority.filter(|_| !d.open),
                 }
             }
             other => other,
@@ -61,18 +62,15 @@ impl<'d> Builder<'d> {
         })
     }
 
-    /// The priority among bodies; an open surface is none of them.
-    fn priority_of(
+    /// An open surface is no body: it has no overlaps to win.
+    fn check_priority(
         &mut self,
         node: NodeId,
         d: &ObjectDescription,
         priority: Option<i8>,
-    ) -> Option<Option<i8>> {
-        if !d.open {
-            return Some(priority);
-        }
-        if priority.is_none_or(|p| p == 0) {
-            return Some(None);
+    ) -> Option<()> {
+        if !d.open || priority.is_none_or(|p| p == 0) {
+            return Some(());
         }
         let place = self.report.field(node, "material");
         let label = "the object says `open: true`";

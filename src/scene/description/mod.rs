@@ -72,6 +72,8 @@ pub struct CameraDescription {
     pub fov: Option<Number>,
     /// Height of the film in metres: an orthographic camera.
     pub height: Option<Number>,
+    /// Name of the body in which the camera stands.
+    pub medium: Option<String>,
 }
 
 fn z_axis() -> Triple {
