@@ -9,7 +9,9 @@ use nephroid::{
     plan::{Media, Plan},
     sampling::{Purpose, Sequence, Stream, warp},
     scene,
-    transport::{Bend, Carried, Context, Differential, LightPicker, Lobes, Pair, lobes, meet},
+    transport::{
+        Bend, Carried, Context, Differential, LightPicker, Lobes, Pair, lobes, media_beside, meet,
+    },
 };
 
 /// Every shape, in glass and in metal, some of them sheared or mirrored, some
@@ -107,7 +109,7 @@ impl Bundle {
         differential.push(self.pair);
         let (mut surfaces, mut kinds) = (Vec::new(), Vec::new());
         for second in self.second {
-            let met = meet(ctx, &ray, f64::INFINITY, &media)?;
+            let met = meet(ctx, &ray, f64::INFINITY, &mut media)?;
             let (hit, point) = (met.hit, met.point);
             differential.transfer(ray.dir, hit.t, point.ng);
             surfaces.push(hit.surface);
@@ -131,7 +133,7 @@ impl Bundle {
             });
             let turning = ctx.scene.world.turning(&hit, &point);
             differential.bend(ray.dir, &lobe.bend, &turning);
-            media = met.media_along(&lobe);
+            media = media_beside(ctx, media, &point, lobe.dir);
             ray = point.spawn(lobe.dir);
         }
         None

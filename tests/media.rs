@@ -13,7 +13,8 @@ use nephroid::{
     sampling::{Purpose, Sequence, Stream, warp},
     scene::Scene,
     transport::{
-        Bend, Carried, Context, End, LightPicker, Lobes, Walker, lobes, meet, transmittance,
+        Bend, Carried, Context, End, LightPicker, Lobes, Walker, lobes, media_beside, meet,
+        transmittance,
     },
 };
 
@@ -79,7 +80,7 @@ fn way(ctx: &Context<'_>, origin: DVec3, dir: DVec3, most: usize) -> Vec<Step> {
     let mut media = around(ctx, origin);
     let mut steps = Vec::new();
     while steps.len() < most {
-        let Some(met) = meet(ctx, &ray, f64::INFINITY, &media) else {
+        let Some(met) = meet(ctx, &ray, f64::INFINITY, &mut media) else {
             break;
         };
         let Some(found) = lobes(&met.material, &met.point, ray.dir, Carried::Flux) else {
@@ -93,7 +94,7 @@ fn way(ctx: &Context<'_>, origin: DVec3, dir: DVec3, most: usize) -> Vec<Step> {
                 refracted: matches!(lobe.bend, Bend::Refract { .. }),
             });
         }
-        media = met.media_along(&lobe);
+        media = media_beside(ctx, media, &met.point, lobe.dir);
         ray = met.point.spawn(lobe.dir);
     }
     steps
@@ -443,12 +444,13 @@ fn the_sky_under_water_fills_snells_window() {
         ] {
             // Through the middle of the ball rays go straight.
             let d = DVec3::new(angle.sin(), 0.0, angle.cos());
-            let walker = Walker::from_camera(ctx, Ray::new(DVec3::new(0.0, 0.0, -4.0), d));
+            let mut walker = Walker::from_camera(ctx, Ray::new(DVec3::new(0.0, 0.0, -4.0), d));
             let nested = ctx.plan.nest.as_ref().expect("two bodies");
             assert_eq!(nested.nest.medium(&walker.media), Some(1));
-            let met = meet(ctx, &walker.ray, f64::INFINITY, &walker.media).expect("the ball");
+            let met = meet(ctx, &walker.ray, f64::INFINITY, &mut walker.media).expect("the ball");
             let out = met.point.spawn(d);
-            let step = meet(ctx, &out, f64::INFINITY, &met.beyond).expect("the surface");
+            let mut beyond = media_beside(ctx, walker.media, &met.point, d);
+            let step = meet(ctx, &out, f64::INFINITY, &mut beyond).expect("the surface");
             let found = lobes(&step.material, &step.point, d, Carried::Radiance);
             let two = matches!(found, Some(Lobes::Two(..)));
             assert_eq!(two, sky, "at {angle}");
@@ -590,17 +592,17 @@ fn starts_and_shadow_rays_know_their_side() {
     with_context(&scene, |ctx| {
         // From the floor, below the hidden slab.
         let from = DVec3::new(0.1, 0.2, -1.7);
-        let media = around(ctx, from);
+        let mut media = around(ctx, from);
         assert_eq!(media.ranks(), [0, 1]);
         let ray = Ray::new(from, DVec3::NEG_Z);
-        let met = meet(ctx, &ray, f64::INFINITY, &media).expect("the floor");
+        let met = meet(ctx, &ray, f64::INFINITY, &mut media).expect("the floor");
         let share = |light: usize| {
             let named = &ctx.scene.lights[light];
             let sample = named
                 .light
                 .sample_direct(met.point.p, [0.5; 2])
                 .expect("a sample");
-            transmittance(ctx, &met.point, &met.near, &sample, named.instance)
+            transmittance(ctx, &met.point, &media, &sample, named.instance)
         };
         assert_eq!(share(1), 1.0, "in the same water");
         assert_eq!(share(2), 0.0, "beyond the surface");

@@ -17,7 +17,10 @@ use nephroid::{
     sampling::{Purpose, Sequence, warp},
     scene::{self, Scene, Summary},
     spectrum::Rgb,
-    transport::{Carried, Context, LightPicker, Lobe, Lobes, Walker, lobes, meet, transmittance},
+    transport::{
+        Carried, Context, LightPicker, Lobe, Lobes, Walker, lobes, media_beside, meet,
+        transmittance,
+    },
 };
 
 fn folder() -> PathBuf {
@@ -432,12 +435,15 @@ fn water_meets_glass_and_air_as_the_headers_say() {
         (DVec3::new(0.0, 0.2, 0.3), "water", (0.17f64 / 2.83).powi(2)),
         (DVec3::new(0.0, 0.2, 0.85), "", 0.04),
     ] {
-        let media = nest.around(&scene.world, from);
+        let mut media = nest.around(&scene.world, from);
         assert_eq!(name(nest.medium(&media)).unwrap_or(""), medium);
-        let first = meet(&ctx, &Ray::new(from, DVec3::Y), 9.0, &media).expect("the wall");
+        let first = meet(&ctx, &Ray::new(from, DVec3::Y), 9.0, &mut { media }).expect("the wall");
         let ray = Ray::new(from, -first.point.ns);
-        let met = meet(&ctx, &ray, 9.0, &media).expect("the wall");
-        assert_eq!(name(nest.medium(&met.beyond)), Some("tumbler"));
+        let met = meet(&ctx, &ray, 9.0, &mut media).expect("the wall");
+        assert_eq!(
+            name(nest.medium(&media_beside(&ctx, media, &met.point, ray.dir))),
+            Some("tumbler")
+        );
         let Some(Lobes::Two(reflected, _)) =
             lobes(&met.material, &met.point, ray.dir, Carried::Flux)
         else {
@@ -449,8 +455,8 @@ fn water_meets_glass_and_air_as_the_headers_say() {
     let bubble = DVec3::new(-0.13, -0.12, 0.36);
     for (height, lobes_there) in [(0.0375, 2), (0.0377, 1)] {
         let ray = Ray::new(bubble + DVec3::new(0.0, -0.06, height), DVec3::Y);
-        let media = nest.around(&scene.world, ray.origin);
-        let met = meet(&ctx, &ray, 9.0, &media).expect("the bubble");
+        let mut media = nest.around(&scene.world, ray.origin);
+        let met = meet(&ctx, &ray, 9.0, &mut media).expect("the bubble");
         let found = lobes(&met.material, &met.point, ray.dir, Carried::Flux);
         let count = match found {
             Some(Lobes::Two(..)) => 2,
@@ -475,8 +481,8 @@ fn the_window_under_water_is_as_wide_as_snell_says() {
     for (away, sky) in [(1.820, true), (1.830, false)] {
         // Away from bubbles and buoy.
         let to = DVec3::new(-away, 0.0, 2.0);
-        let walker = Walker::from_camera(&ctx, Ray::new(eye, (to - eye).normalize()));
-        let met = meet(&ctx, &walker.ray, 9.0, &walker.media).expect("the surface");
+        let mut walker = Walker::from_camera(&ctx, Ray::new(eye, (to - eye).normalize()));
+        let met = meet(&ctx, &walker.ray, 9.0, &mut walker.media).expect("the surface");
         assert!((met.point.p - to).length() < 1e-9);
         let found = lobes(&met.material, &met.point, walker.ray.dir, Carried::Radiance);
         assert_eq!(matches!(found, Some(Lobes::Two(..))), sky, "{away} m away");

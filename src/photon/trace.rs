@@ -16,7 +16,7 @@ use crate::{
     numeric::{Frame, VectorPair},
     sampling::{Stream, warp},
     spectrum::Rgb,
-    transport::{Carried, Context, Lobe, Met, Ways, meet},
+    transport::{Carried, Context, Lobe, Met, Ways, media_beside, meet},
 };
 
 use super::{Emission, Footprint, LightTally, emit};
@@ -68,7 +68,7 @@ pub fn trace(
     let weak = ROULETTE_BELOW * flux.max();
     let (mut bent, mut bounced) = (false, false);
     for depth in 0..=ctx.max_depth {
-        let Some(met) = meet(ctx, &ray, f64::INFINITY, &media) else {
+        let Some(met) = meet(ctx, &ray, f64::INFINITY, &mut media) else {
             tally.escaped += flux.mean();
             return;
         };
@@ -76,9 +76,7 @@ pub fn trace(
             hit,
             point,
             material,
-            ..
         } = met;
-        media = met.near;
         differential.transfer(ray.dir, hit.t, point.ng);
         if depth == 0 {
             tally.landed_paths += 1;
@@ -91,7 +89,6 @@ pub fn trace(
             let lobe = ways.choose(ray.dir, Carried::Flux, || stream.next_1d());
             flux = scatter(flux, &lobe, tally);
             bent |= lobe.is_bent();
-            media = met.media_along(&lobe);
             differential.chance *= lobe.share;
             if lobe.is_bent() {
                 let turning = ctx.scene.world.turning(&hit, &point);
@@ -139,6 +136,7 @@ pub fn trace(
             flux = flux / q;
             differential.chance *= q;
         }
+        media = media_beside(ctx, media, &point, direction);
         ray = point.spawn(direction);
     }
     tally.truncated += flux.mean();

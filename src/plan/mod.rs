@@ -8,7 +8,7 @@ mod nest;
 mod starts;
 
 pub use media::{MOST_MEDIA, Media};
-pub use nest::{Crossing, Nest, Start};
+pub use nest::{Nest, Start};
 pub use starts::Starts;
 
 use crate::{

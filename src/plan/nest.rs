@@ -32,18 +32,6 @@ struct Body {
     priority: i8,
 }
 
-/// What a path finds where it meets the surface of a body.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Crossing {
-    /// The bodies on the near side of the surface.
-    pub near: Media,
-    /// The bodies on its far side.
-    pub beyond: Media,
-    /// Index behind the surface over the index in front of it; `None` if
-    /// another medium fills both sides, and there is nothing to see.
-    pub ior: Option<f64>,
-}
-
 /// The bodies of a scene and their ranks.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Nest {
@@ -108,20 +96,29 @@ impl Nest {
         media.top().map_or(1.0, |r| self.bodies[r as usize].ior)
     }
 
-    /// What a path in `media` finds at the surface of an instance that it
-    /// enters or leaves; `None` if that is no body.
-    ///
-    /// That it enters shows that it was outside, whatever `media` says, and
-    /// the other way round: a surface that was missed, by a rounding or where
-    /// two coincide, is made up for at the next one of the same body.
+    /// Index inside a body's surface over that of what surrounds it where a path
+    /// in `media` meets it; `None` if another medium fills both sides, and there
+    /// is nothing to see.
     #[inline]
-    pub fn crossing(&self, instance: u32, enters: bool, media: &Media) -> Option<Crossing> {
-        let rank = self.rank(instance)?;
-        let (out, within) = (media.without(rank), media.with(rank));
-        let hidden = out.top().is_some_and(|other| other > rank);
-        let ior = (!hidden).then(|| self.bodies[rank as usize].ior / self.index(&out));
-        let (near, beyond) = if enters { (out, within) } else { (within, out) };
-        Some(Crossing { near, beyond, ior })
+    pub fn ior(&self, rank: u16, media: &Media) -> Option<f64> {
+        let outside = media.without(rank);
+        let hidden = outside.top().is_some_and(|other| other > rank);
+        (!hidden).then(|| self.bodies[rank as usize].ior / self.index(&outside))
+    }
+
+    /// The bodies around a path in `media` that goes on from the surface of an
+    /// instance, on its inner side or not.
+    ///
+    /// The side tells whether it is in that body, whatever `media` says: a
+    /// surface that was missed, by a rounding or where two coincide, is made up
+    /// for at the next one of the same body.
+    #[inline]
+    pub fn beside(&self, instance: u32, inside: bool, media: &Media) -> Media {
+        match self.rank(instance) {
+            Some(rank) if inside => media.with(rank),
+            Some(rank) => media.without(rank),
+            None => *media,
+        }
     }
 
     /// The bodies in which a point lies.

@@ -8,7 +8,7 @@ use crate::{
     plan::Media,
 };
 
-use super::{Context, meet};
+use super::{Context, media_beside, meet};
 
 /// Fraction of a light sample that arrives at `from`: 0 behind anything that
 /// blocks, 1 in the clear, between them through thin panes. Refracting
@@ -83,7 +83,7 @@ fn through_media(
 ) -> f64 {
     let mut transmittance = 1.0;
     for _ in 0..=ctx.max_depth {
-        let Some(met) = meet(ctx, &ray, distance, &media) else {
+        let Some(met) = meet(ctx, &ray, distance, &mut media) else {
             return transmittance;
         };
         if Some(met.hit.surface.instance) == body {
@@ -98,7 +98,7 @@ fn through_media(
         if thin {
             transmittance *= optics::pane_transmittance(ray.dir.dot(met.point.ns).abs(), ior);
         }
-        media = met.beyond;
+        media = media_beside(ctx, media, &met.point, ray.dir);
         ray = met.point.spawn(ray.dir);
         distance -= met.hit.t;
     }

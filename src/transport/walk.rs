@@ -9,7 +9,7 @@ use crate::{
     spectrum::Rgb,
 };
 
-use super::{Carried, Context, Lobe, Lobes, Met, lobes, meet};
+use super::{Carried, Context, Lobe, Lobes, Met, lobes, media_beside, meet};
 
 /// Where a walk ends.
 #[derive(Clone, Copy, Debug)]
@@ -80,7 +80,7 @@ impl Walker {
         branch: &mut impl FnMut(&Walker) -> bool,
     ) -> End {
         loop {
-            let Some(met) = meet(ctx, &self.ray, f64::INFINITY, &self.media) else {
+            let Some(met) = meet(ctx, &self.ray, f64::INFINITY, &mut self.media) else {
                 return End::Escaped;
             };
             let Met {
@@ -88,7 +88,6 @@ impl Walker {
             } = met;
             self.depth += 1;
             self.length += met.hit.t;
-            self.media = met.near;
             let Some(lobes) = lobes(&material, &point, self.ray.dir, Carried::Radiance) else {
                 return End::Surface { point, material };
             };
@@ -97,16 +96,16 @@ impl Walker {
             }
             let before = *self;
             match lobes {
-                Lobes::One(lobe) => self.follow(&met, &lobe, 1.0),
+                Lobes::One(lobe) => self.follow(ctx, &met, &lobe, 1.0),
                 Lobes::Two(a, b) => {
                     let (main, side) = if a.share < b.share { (b, a) } else { (a, b) };
                     let mut other = before;
-                    other.follow(&met, &side, side.share);
+                    other.follow(ctx, &met, &side, side.share);
                     if side.share > 0.0 && branch(&other) {
-                        self.follow(&met, &main, main.share);
+                        self.follow(ctx, &met, &main, main.share);
                     } else {
                         let lobe = lobes.choose(|| stream.next_1d());
-                        self.follow(&met, &lobe, 1.0);
+                        self.follow(ctx, &met, &lobe, 1.0);
                     }
                 }
             }
@@ -117,10 +116,10 @@ impl Walker {
     }
 
     /// Goes on along a lobe, with the given part of what is carried.
-    fn follow(&mut self, met: &Met, lobe: &Lobe, part: f64) {
+    fn follow(&mut self, ctx: &Context<'_>, met: &Met, lobe: &Lobe, part: f64) {
         self.throughput *= lobe.weight * part;
         self.strength *= lobe.weight.max() / lobe.index * part;
         self.ray = met.point.spawn(lobe.dir);
-        self.media = met.media_along(lobe);
+        self.media = media_beside(ctx, self.media, &met.point, lobe.dir);
     }
 }
