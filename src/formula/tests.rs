@@ -1,5 +1,4 @@
-//! Formulas against expressions that the tests build and work out by
-//! themselves.
+//! Formulas against expressions that the tests work out by themselves.
 
 use proptest::prelude::*;
 
@@ -394,8 +393,8 @@ fn undefined_places_say_so() {
     );
     assert!(at("sqrt(x^2 + y^2)", unit).continuous);
     assert!(at("abs(x) * x", unit).continuous);
-    let f = Formula::parse("min(1, sqrt(x))").unwrap();
-    assert!(f.value(-DVec3::X).is_nan());
-    let f = Formula::parse("max(sqrt(x), 1)").unwrap();
-    assert!(f.value(-DVec3::X).is_nan());
+    for text in ["min(1, sqrt(x))", "max(sqrt(x), 1)"] {
+        let value = Formula::parse(text).unwrap().value(-DVec3::X);
+        assert!(value.is_nan(), "{text}: {value}");
+    }
 }

@@ -32,8 +32,8 @@ pub(super) fn first(line: &Line, side: i8, steepest: f64) -> Option<f64> {
         let slope = line.formula.along_range(line.origin, line.dir, piece).slope;
         let off = range.mignitude() * (1.0 - gamma(4));
         let free = (off / slope.magnitude()).min(ahead - t).max(off / steepest);
-        // Never less than the tolerance, so that it ends; a quotient of
-        // zeros is none.
+        // Never less than the tolerance, so that it ends. Zero over zero,
+        // which `min` passes over, is a formula that stays zero.
         let step = free.max(line.tolerance);
         reach = GROWTH * step;
         t = (t + step).min(line.end);
