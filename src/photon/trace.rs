@@ -16,7 +16,7 @@ use crate::{
     numeric::{Frame, VectorPair},
     sampling::{Stream, warp},
     spectrum::Rgb,
-    transport::{Carried, Context, Lobe, Met, Ways, media_beside, meet},
+    transport::{Carried, Context, Lobe, Met, Ways, media_beside, meet_in},
 };
 
 use super::{Emission, Footprint, LightTally, emit};
@@ -57,6 +57,23 @@ pub fn trace(
     tally: &mut LightTally,
     store: &mut impl FnMut(Photon),
 ) {
+    if ctx.plan.nest.is_some() {
+        trace_in::<true>(ctx, emission, paths, stream, tally, store);
+    } else {
+        trace_in::<false>(ctx, emission, paths, stream, tally, store);
+    }
+}
+
+/// The same, where bodies of clear media may overlap or not (`NESTED`).
+#[inline]
+fn trace_in<const NESTED: bool>(
+    ctx: &Context<'_>,
+    emission: &Emission,
+    paths: f64,
+    stream: &mut Stream,
+    tally: &mut LightTally,
+    store: &mut impl FnMut(Photon),
+) {
     let mut flux = emission.flux;
     tally.paths += 1;
     tally.launched += flux.mean();
@@ -68,7 +85,7 @@ pub fn trace(
     let weak = ROULETTE_BELOW * flux.max();
     let (mut bent, mut bounced) = (false, false);
     for depth in 0..=ctx.max_depth {
-        let Some(met) = meet(ctx, &ray, f64::INFINITY, &mut media) else {
+        let Some(met) = meet_in::<NESTED>(ctx, &ray, f64::INFINITY, &mut media) else {
             tally.escaped += flux.mean();
             return;
         };
@@ -136,7 +153,9 @@ pub fn trace(
             flux = flux / q;
             differential.chance *= q;
         }
-        media = media_beside(ctx, media, &point, direction);
+        if NESTED {
+            media = media_beside(ctx, media, &point, direction);
+        }
         ray = point.spawn(direction);
     }
     tally.truncated += flux.mean();

@@ -8,7 +8,7 @@ use glam::DVec3;
 use crate::{
     geometry::{Hit, Ray, SurfacePoint},
     material::Material,
-    plan::{Media, Nest},
+    plan::Media,
 };
 
 use super::Context;
@@ -28,20 +28,29 @@ pub struct Met {
 /// The first surface that a ray meets before `t_max` metres. `media` are the
 /// bodies in which it starts; they become those before the surface, but for
 /// the body that it belongs to.
+pub fn meet(ctx: &Context<'_>, ray: &Ray, t_max: f64, media: &mut Media) -> Option<Met> {
+    if ctx.plan.nest.is_some() {
+        meet_in::<true>(ctx, ray, t_max, media)
+    } else {
+        meet_in::<false>(ctx, ray, t_max, media)
+    }
+}
+
+/// [`meet`] for a caller who knows whether bodies may overlap (`NESTED`): a
+/// path that asked at every step would pay for it where none do.
 #[allow(
     clippy::inline_always,
     reason = "a ray just made is still in registers, see `World::closest`"
 )]
 #[inline(always)]
-pub fn meet(ctx: &Context<'_>, ray: &Ray, t_max: f64, media: &mut Media) -> Option<Met> {
-    if let Some(nested) = &ctx.plan.nest {
-        // Taken apart, so that the other way stays in registers.
-        let (hit, point, material) = meet_nested(ctx, &nested.nest, *ray, t_max, media)?;
-        return Some(Met {
-            hit,
-            point,
-            material,
-        });
+pub(crate) fn meet_in<const NESTED: bool>(
+    ctx: &Context<'_>,
+    ray: &Ray,
+    t_max: f64,
+    media: &mut Media,
+) -> Option<Met> {
+    if NESTED {
+        return meet_nested(ctx, *ray, t_max, media);
     }
     let hit = ctx.scene.world.closest(ray, t_max)?;
     Some(Met {
@@ -70,26 +79,28 @@ const MOST_HIDDEN: u32 = 1 << 20;
 
 /// The same as [`meet`] among bodies that may overlap.
 #[inline(never)]
-fn meet_nested(
-    ctx: &Context<'_>,
-    nest: &Nest,
-    mut ray: Ray,
-    t_max: f64,
-    media: &mut Media,
-) -> Option<(Hit, SurfacePoint, Material)> {
+fn meet_nested(ctx: &Context<'_>, mut ray: Ray, t_max: f64, media: &mut Media) -> Option<Met> {
     let world = &ctx.scene.world;
+    // Only asked for where there is one.
+    let nest = &ctx.plan.nest.as_ref()?.nest;
     let mut way = 0.0;
     for _ in 0..MOST_HIDDEN {
         let hit = world.closest(&ray, t_max - way)?;
         let point = world.surface(&ray, &hit);
         way += hit.t;
-        let hit = Hit { t: way, ..hit };
-        let material = ctx.scene.object(hit.surface).material;
+        let met = Met {
+            hit: Hit { t: way, ..hit },
+            point,
+            material: ctx.scene.object(hit.surface).material,
+        };
         let Some(rank) = nest.rank(hit.surface.instance) else {
-            return Some((hit, point, material));
+            return Some(met);
         };
         if let Some(ior) = nest.ior(rank, media) {
-            return Some((hit, point, material.with_index(ior)));
+            return Some(Met {
+                material: met.material.with_index(ior),
+                ..met
+            });
         }
         *media = media_beside(ctx, *media, &point, ray.dir);
         ray = point.spawn(ray.dir);

@@ -24,6 +24,7 @@ pub mod walk;
 
 pub use differential::{Bend, Differential, Pair};
 pub use direct::{DiffusePoint, LightPicker, direct_light};
+pub(crate) use meet::meet_in;
 pub use meet::{Met, media_beside, meet};
 pub use shadow::transmittance;
 pub use specular::{Carried, Lobe, Lobes, Ways, lobes};

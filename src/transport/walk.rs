@@ -9,7 +9,7 @@ use crate::{
     spectrum::Rgb,
 };
 
-use super::{Carried, Context, Lobe, Lobes, Met, lobes, media_beside, meet};
+use super::{Carried, Context, Lobe, Lobes, Met, lobes, media_beside, meet_in};
 
 /// Where a walk ends.
 #[derive(Clone, Copy, Debug)]
@@ -79,8 +79,24 @@ impl Walker {
         stream: &mut Stream,
         branch: &mut impl FnMut(&Walker) -> bool,
     ) -> End {
+        if ctx.plan.nest.is_some() {
+            self.walk_in::<true>(ctx, stream, branch)
+        } else {
+            self.walk_in::<false>(ctx, stream, branch)
+        }
+    }
+
+    /// The same, where bodies may overlap or not (`NESTED`).
+    #[inline]
+    fn walk_in<const NESTED: bool>(
+        &mut self,
+        ctx: &Context<'_>,
+        stream: &mut Stream,
+        branch: &mut impl FnMut(&Walker) -> bool,
+    ) -> End {
         loop {
-            let Some(met) = meet(ctx, &self.ray, f64::INFINITY, &mut self.media) else {
+            let Some(met) = meet_in::<NESTED>(ctx, &self.ray, f64::INFINITY, &mut self.media)
+            else {
                 return End::Escaped;
             };
             let Met {
@@ -96,16 +112,16 @@ impl Walker {
             }
             let before = *self;
             match lobes {
-                Lobes::One(lobe) => self.follow(ctx, &met, &lobe, 1.0),
+                Lobes::One(lobe) => self.follow::<NESTED>(ctx, &met, &lobe, 1.0),
                 Lobes::Two(a, b) => {
                     let (main, side) = if a.share < b.share { (b, a) } else { (a, b) };
                     let mut other = before;
-                    other.follow(ctx, &met, &side, side.share);
+                    other.follow::<NESTED>(ctx, &met, &side, side.share);
                     if side.share > 0.0 && branch(&other) {
-                        self.follow(ctx, &met, &main, main.share);
+                        self.follow::<NESTED>(ctx, &met, &main, main.share);
                     } else {
                         let lobe = lobes.choose(|| stream.next_1d());
-                        self.follow(ctx, &met, &lobe, 1.0);
+                        self.follow::<NESTED>(ctx, &met, &lobe, 1.0);
                     }
                 }
             }
@@ -116,10 +132,13 @@ impl Walker {
     }
 
     /// Goes on along a lobe, with the given part of what is carried.
-    fn follow(&mut self, ctx: &Context<'_>, met: &Met, lobe: &Lobe, part: f64) {
+    #[inline]
+    fn follow<const NESTED: bool>(&mut self, ctx: &Context<'_>, met: &Met, lobe: &Lobe, part: f64) {
         self.throughput *= lobe.weight * part;
         self.strength *= lobe.weight.max() / lobe.index * part;
         self.ray = met.point.spawn(lobe.dir);
-        self.media = media_beside(ctx, self.media, &met.point, lobe.dir);
+        if NESTED {
+            self.media = media_beside(ctx, self.media, &met.point, lobe.dir);
+        }
     }
 }
