@@ -40,6 +40,15 @@ impl Aabb {
         }
     }
 
+    /// What both have in common; empty if that is nothing.
+    #[must_use]
+    pub fn intersection(self, other: Self) -> Self {
+        Self {
+            min: self.min.max(other.min),
+            max: self.max.min(other.max),
+        }
+    }
+
     /// The smallest box around this one and the point.
     #[must_use]
     pub fn grown(self, point: DVec3) -> Self {

@@ -65,23 +65,21 @@ impl SurfacePoint {
         })
     }
 
-    /// The point pushed out of its own error box, each coordinate rounded
-    /// away from the surface.
     #[inline]
     fn offset(&self, dir: DVec3) -> DVec3 {
-        let reach = self.error * (self.ng.x.abs() + self.ng.y.abs() + self.ng.z.abs());
-        let side = if self.ng.dot(dir) < 0.0 {
-            -reach
-        } else {
-            reach
-        };
-        let push = |p: f64, n: f64| next_towards(p + side * n, side * n);
-        DVec3::new(
-            push(self.p.x, self.ng.x),
-            push(self.p.y, self.ng.y),
-            push(self.p.z, self.ng.z),
-        )
+        pushed_out(self.p, self.error, self.ng, dir)
     }
+}
+
+/// A point on a surface pushed out of its own error box, towards the side of
+/// the normal `ng` on which `dir` points; each coordinate is rounded away from
+/// the surface.
+#[inline]
+pub(super) fn pushed_out(p: DVec3, error: f64, ng: DVec3, dir: DVec3) -> DVec3 {
+    let reach = error * (ng.x.abs() + ng.y.abs() + ng.z.abs());
+    let side = if ng.dot(dir) < 0.0 { -reach } else { reach };
+    let push = |p: f64, n: f64| next_towards(p + side * n, side * n);
+    DVec3::new(push(p.x, ng.x), push(p.y, ng.y), push(p.z, ng.z))
 }
 
 /// The float after the finite `x` on the side of a positive or negative

@@ -63,7 +63,7 @@ impl World {
 impl Instance {
     /// A lower bound of the distance from `p` to the surface, in metres;
     /// exact enough only below `within`.
-    fn distance_bound(&self, p: DVec3, within: f64) -> f64 {
+    pub(super) fn distance_bound(&self, p: DVec3, within: f64) -> f64 {
         match &self.transform {
             None => self.shape.distance_bound(p, within),
             Some(m) => {

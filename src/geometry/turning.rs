@@ -8,7 +8,7 @@
 
 use glam::{DMat3, DVec3};
 
-use super::{Hit, Shape, Surface, SurfacePoint, Transform, World, shape::Place};
+use super::{Hit, Instance, Shape, Surface, SurfacePoint, Transform, World, shape::Place};
 use crate::numeric::VectorPair;
 
 /// How the shading normal changes from place to place on a surface.
@@ -66,10 +66,37 @@ impl Turning {
         }
     }
 
+    /// That of the surface on which a function is zero, from its gradient and
+    /// its second derivative there, towards the side on which it is positive.
+    pub(super) fn of_level(gradient: DVec3, second: DMat3) -> Self {
+        let length = gradient.length();
+        let n = gradient / length;
+        // Normalising takes away what is along the normal.
+        let map = (second - outer(n, second.transpose() * n)) * (1.0 / length);
+        if map.is_finite() {
+            Self::General(map)
+        } else {
+            // The tip of a cone has no normal that could turn.
+            Self::Flat
+        }
+    }
+
+    /// The turning of the opposite normal.
+    #[must_use]
+    pub(super) fn reversed(self) -> Self {
+        match self {
+            Self::Flat | Self::Facet { .. } => self,
+            Self::Round { curvature } => Self::Round {
+                curvature: -curvature,
+            },
+            Self::General(map) => Self::General(-map),
+        }
+    }
+
     /// A turning in object space, seen in the world at a point with unit
     /// shading normal `ns`. The size of a facet has no image under a map: it
     /// stays.
-    fn under(self, m: &Transform, ns: DVec3) -> Self {
+    pub(super) fn under(self, m: &Transform, ns: DVec3) -> Self {
         match (self, m.similarity()) {
             (Self::Flat | Self::Facet { .. }, _) => self,
             (Self::Round { curvature }, Some(scale)) => Self::Round {
@@ -95,27 +122,34 @@ impl World {
     /// there, whatever the side from which it is seen.
     #[inline]
     pub fn turning(&self, hit: &Hit, point: &SurfacePoint) -> Turning {
-        let instance = &self.instances()[hit.surface.instance as usize];
-        let (shape, part) = (&instance.shape, hit.surface.part);
-        let Some(m) = &instance.transform else {
-            let (p, ng, ns) = (point.p, point.ng, point.ns);
-            return shape.turning(part, hit.uv, || Place { p, ng, ns });
+        let place = Place {
+            p: point.p,
+            ng: point.ng,
+            ns: point.ns,
         };
-        let own = shape.turning(part, hit.uv, || Place {
-            p: m.inverse_point(point.p),
-            ng: m.inverse_normal(point.ng),
-            ns: m.inverse_normal(point.ns),
-        });
+        self.instances()[hit.surface.instance as usize].turning(hit.surface.part, hit.uv, place)
+    }
+}
+
+impl Instance {
+    /// How the shading normal turns at a place of a part, all in world space.
+    #[inline]
+    pub(super) fn turning(&self, part: u32, uv: [f64; 2], place: Place) -> Turning {
+        let shape = &self.shape;
+        let Some(m) = &self.transform else {
+            return shape.turning(part, uv, || place);
+        };
+        let own = shape.turning(part, uv, || place.back(m));
         let Shape::Mesh(mesh) = shape else {
-            return own.under(m, point.ns);
+            return own.under(m, place.ns);
         };
         // Normals that the map has driven apart were replaced by the facet's.
         let replaced = || {
-            let (ng, ns) = mesh.normals(part, hit.uv);
+            let (ng, ns) = mesh.normals(part, uv);
             !m.agree(ng, ns)
         };
         match own {
-            Turning::General(_) if point.ns != point.ng || !replaced() => own.under(m, point.ns),
+            Turning::General(_) if place.ns != place.ng || !replaced() => own.under(m, place.ns),
             _ => Turning::of_facet(&mesh.triangle(part).map(|p| m.point(p))),
         }
     }

@@ -4,7 +4,7 @@ use glam::DVec3;
 
 use super::{
     Aabb, BoundingSphere, Hit, Ray, Shape, Surface, SurfaceId, SurfacePoint, Transform, bvh::Bvh,
-    shape::ShapeHit,
+    shape::{ShapeHit, ShapePoint},
 };
 
 /// A shape and its place in the world.
@@ -43,6 +43,27 @@ impl Instance {
     pub fn occludes(&self, ray: &Ray, t_max: f64, leaving: Option<u32>) -> bool {
         let (origin, dir) = self.own_ray(ray);
         self.shape.occludes(origin, dir, t_max, leaving)
+    }
+
+    /// The point at a hit that this instance has returned for the same ray, in
+    /// world space.
+    #[inline]
+    pub(super) fn surface(&self, ray: &Ray, hit: &ShapeHit) -> ShapePoint {
+        let (origin, dir) = self.own_ray(ray);
+        let own = self.shape.surface(origin, dir, hit);
+        let Some(m) = &self.transform else {
+            return own;
+        };
+        // A linear map of normals keeps the sign of ns . ng only when both
+        // are the same; otherwise their angle may open.
+        let ng = m.normal(own.ng);
+        let ns = m.normal(own.ns);
+        ShapePoint {
+            p: m.point(own.p),
+            error: m.point_error(own.p, own.error),
+            ng,
+            ns: if ns.dot(ng) > 0.0 { ns } else { ng },
+        }
     }
 
     /// The box around the instance; `None` if it is unbounded.
@@ -174,37 +195,18 @@ impl World {
     /// The point at a hit that this world has returned for the same ray.
     #[inline]
     pub fn surface(&self, ray: &Ray, hit: &Hit) -> SurfacePoint {
-        let instance = self.instance(hit.surface.instance);
-        let (origin, dir) = instance.own_ray(ray);
         let own = ShapeHit {
             t: hit.t,
             part: hit.surface.part,
             uv: hit.uv,
         };
-        let own = instance.shape.surface(origin, dir, &own);
-        let surface = hit.surface;
-        match &instance.transform {
-            None => SurfacePoint {
-                p: own.p,
-                error: own.error,
-                ng: own.ng,
-                ns: own.ns,
-                surface,
-            },
-            Some(m) => {
-                // A linear map of normals keeps the sign of ns . ng only
-                // when both are the same; otherwise their angle may open.
-                let ng = m.normal(own.ng);
-                let ns = m.normal(own.ns);
-                let ns = if ns.dot(ng) > 0.0 { ns } else { ng };
-                SurfacePoint {
-                    p: m.point(own.p),
-                    error: m.point_error(own.p, own.error),
-                    ng,
-                    ns,
-                    surface,
-                }
-            }
+        let point = self.instance(hit.surface.instance).surface(ray, &own);
+        SurfacePoint {
+            p: point.p,
+            error: point.error,
+            ng: point.ng,
+            ns: point.ns,
+            surface: hit.surface,
         }
     }
 

@@ -10,6 +10,7 @@ pub mod bounds;
 pub mod exact;
 pub mod frame;
 pub mod interval;
+pub mod polynomial;
 pub mod products;
 pub mod quadratic;
 pub mod trig;

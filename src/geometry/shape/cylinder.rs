@@ -7,7 +7,9 @@
 
 use glam::{DVec2, DVec3};
 
-use super::{Place, ShapeHit, ShapePoint, Surface, disc::circle_half_widths, sphere::crossings};
+use super::{
+    Place, ShapeHit, ShapePoint, Surface, disc::circle_half_widths, span::Span, sphere::crossings,
+};
 use crate::{
     geometry::{Aabb, BoundingSphere, Turning, transform::unit, turning::outer},
     numeric::{Frame, gamma},
@@ -29,6 +31,25 @@ pub struct Cylinder {
 const SIDE: u32 = 0;
 const BASE: u32 = 1;
 const TOP: u32 = 2;
+
+/// A ray across and along the axis, from the point that it reaches at `slide`.
+struct Slid {
+    slide: f64,
+    o: DVec2,
+    oz: f64,
+    d: DVec2,
+    dz: f64,
+}
+
+impl Slid {
+    /// The stretch inside the capped cylinder, counted from `slide`.
+    #[inline]
+    fn span(&self, cylinder: &Cylinder, leaving: Option<u32>) -> Option<Span> {
+        let (near, far) = cylinder.side_interval(self.o, self.d, leaving == Some(SIDE))?;
+        let caps = Span::between_planes(self.oz, self.dz, cylinder.length, [BASE, TOP], leaving)?;
+        Span::of_part(near, far, SIDE).overlap(caps)
+    }
+}
 
 impl Cylinder {
     /// A tube of a radius above zero between two distinct points on its
@@ -101,33 +122,27 @@ impl Cylinder {
         crossings(a, h, closest, start, self.radius)
     }
 
-    /// The parameters between which the line runs between the planes of the
-    /// caps, each with the cap it crosses there.
+    /// The ray in the cylinder's coordinates. One from afar first slides to
+    /// where it passes the centre: the coefficients are then as small as the
+    /// cylinder. From the surface itself it starts where it is, since one root
+    /// is known there.
     #[inline]
-    fn slab_interval(
-        &self,
-        oz: f64,
-        dz: f64,
-        leaving: Option<u32>,
-    ) -> Option<((f64, u32), (f64, u32))> {
-        if dz == 0.0 {
-            // Within a cap's plane the ray touches the rim only; a ray that
-            // leaves the cap counts as outside.
-            let inside = oz > 0.0 && oz < self.length;
-            return inside.then_some(((f64::NEG_INFINITY, BASE), (f64::INFINITY, TOP)));
-        }
-        // The plane on which the ray stands is crossed at zero, exactly.
-        let base = if leaving == Some(BASE) { 0.0 } else { -oz / dz };
-        let top = if leaving == Some(TOP) {
+    fn slid(&self, origin: DVec3, dir: DVec3, leaving: Option<u32>) -> Slid {
+        let from = origin - self.base;
+        let slide = if leaving.is_some() {
             0.0
         } else {
-            (self.length - oz) / dz
+            (self.axis * (0.5 * self.length) - from).dot(dir) / dir.length_squared()
         };
-        Some(if dz > 0.0 {
-            ((base, BASE), (top, TOP))
-        } else {
-            ((top, TOP), (base, BASE))
-        })
+        let (d, dz) = self.split(dir);
+        let (o, oz) = self.split(from + dir * slide);
+        Slid {
+            slide,
+            o,
+            oz,
+            d,
+            dz,
+        }
     }
 
     /// Error of a point formed from cylinder coordinates whose absolute sum
@@ -148,44 +163,42 @@ impl Surface for Cylinder {
         t_max: f64,
         leaving: Option<u32>,
     ) -> Option<ShapeHit> {
-        let from = origin - self.base;
-        let (d, dz) = self.split(dir);
-        // A ray from afar first slides to where it passes the centre: the
-        // coefficients are then as small as the cylinder. From the surface
-        // itself it starts where it is, since one root is known there.
-        let slide = if leaving.is_some() {
-            0.0
-        } else {
-            (self.axis * (0.5 * self.length) - from).dot(dir) / dir.length_squared()
-        };
-        let (o, oz) = self.split(from + dir * slide);
-        let side = self.side_interval(o, d, leaving == Some(SIDE));
-        let accept = |part: u32, local: f64| {
-            let t = local + slide;
-            (t > 0.0 && t < t_max).then(|| ShapeHit::on(part, t))
-        };
+        let slid = self.slid(origin, dir, leaving);
         if self.capped {
-            let (near, far) = side?;
-            let ((enter, first), (exit, last)) = self.slab_interval(oz, dz, leaving)?;
-            let (enter, first) = if near > enter {
-                (near, SIDE)
-            } else {
-                (enter, first)
-            };
-            let (exit, last) = if far < exit {
-                (far, SIDE)
-            } else {
-                (exit, last)
-            };
-            if enter > exit {
-                return None;
-            }
-            return accept(first, enter).or_else(|| accept(last, exit));
+            return slid.span(self, leaving)?.first(slid.slide, t_max);
         }
-        let (near, far) = side?;
-        let within = |t: f64| (0.0..=self.length).contains(&(oz + dz * t));
-        let visible = |t: f64| within(t).then(|| accept(SIDE, t)).flatten();
+        let (near, far) = self.side_interval(slid.o, slid.d, leaving == Some(SIDE))?;
+        let within = |t: f64| (0.0..=self.length).contains(&(slid.oz + slid.dz * t));
+        let visible = |local: f64| {
+            let t = local + slid.slide;
+            (within(local) && t > 0.0 && t < t_max).then(|| ShapeHit::on(SIDE, t))
+        };
         visible(near).or_else(|| visible(far))
+    }
+
+    fn crossings(
+        &self,
+        origin: DVec3,
+        dir: DVec3,
+        leaving: Option<u32>,
+        found: &mut dyn FnMut(ShapeHit),
+    ) {
+        let slid = self.slid(origin, dir, leaving);
+        if self.capped {
+            if let Some(span) = slid.span(self, leaving) {
+                span.ends(slid.slide, found);
+            }
+        } else if let Some((near, far)) =
+            self.side_interval(slid.o, slid.d, leaving == Some(SIDE))
+        {
+            let seen = |local: &f64| (0.0..=self.length).contains(&(slid.oz + slid.dz * local));
+            [near, far]
+                .into_iter()
+                .filter(seen)
+                .map(|local| local + slid.slide)
+                .filter(|&t| t > 0.0)
+                .for_each(|t| found(ShapeHit::on(SIDE, t)));
+        }
     }
 
     #[inline]

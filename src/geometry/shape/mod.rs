@@ -8,28 +8,41 @@
 //! Constructors take input that has been validated: finite, lengths above
 //! zero, directions not zero, edges not parallel.
 
+mod conic;
+mod cuboid;
 mod cylinder;
 mod disc;
+mod ellipsoid;
 pub mod implicit;
 mod plane;
 mod quad;
+mod quadric;
+mod solid;
+mod span;
 mod sphere;
+mod torus;
 mod triangle;
 
 use std::sync::Arc;
 
 use glam::DVec3;
 
+pub use conic::Conic;
+pub use cuboid::Cuboid;
 pub use cylinder::Cylinder;
 pub use disc::Disc;
+pub use ellipsoid::Ellipsoid;
 pub use implicit::{Implicit, ImplicitError, RootFinder};
 pub use plane::Plane;
 pub use quad::Quad;
+pub use quadric::Quadric;
+pub use solid::{Body, Solid, SolidError};
 pub use sphere::Sphere;
+pub use torus::Torus;
 pub use triangle::{ShearedRay, Triangle};
 pub(super) use triangle::{point_at, sound_normal, triangle_normal};
 
-use super::{Aabb, BoundingSphere, Transform, TriangleMesh, Turning};
+use super::{Aabb, BoundingSphere, Transform, TriangleMesh, Turning, hit::pushed_out};
 
 /// Everything that a ray can meet.
 #[derive(Clone, Debug)]
@@ -44,6 +57,18 @@ pub enum Shape {
     Sphere(Sphere),
     /// A tube, open or with caps.
     Cylinder(Cylinder),
+    /// A cone, paraboloid or hyperboloid of revolution between two planes.
+    Conic(Conic),
+    /// A squashed and turned sphere.
+    Ellipsoid(Arc<Ellipsoid>),
+    /// Where a polynomial of second degree is zero.
+    Quadric(Arc<Quadric>),
+    /// A ring.
+    Torus(Torus),
+    /// A box.
+    Cuboid(Cuboid),
+    /// Made of other shapes by union, intersection and difference.
+    Solid(Arc<Solid>),
     /// One triangle.
     Triangle(Triangle),
     /// Many triangles, shared between instances.
@@ -58,7 +83,8 @@ pub struct ShapeHit {
     /// Ray parameter, in lengths of the direction.
     pub t: f64,
     /// The part that was met: triangle of a mesh, side (0), base (1) or top
-    /// (2) of a cylinder; otherwise 0.
+    /// (2) of a cylinder or conic, face of a box; in a solid the operand and
+    /// its part; otherwise 0.
     pub part: u32,
     /// Barycentric weights of a triangle's second and third vertex; zero for
     /// other shapes.
@@ -102,6 +128,19 @@ pub struct Place {
     pub ns: DVec3,
 }
 
+impl Place {
+    /// A place that a map has sent to the world, seen in the shape's own
+    /// space.
+    #[inline]
+    pub(super) fn back(&self, m: &Transform) -> Self {
+        Self {
+            p: m.inverse_point(self.p),
+            ng: m.inverse_normal(self.ng),
+            ns: m.inverse_normal(self.ns),
+        }
+    }
+}
+
 /// What every shape answers, in its own space. A new shape is one file that
 /// implements this, and one variant of [`Shape`].
 pub trait Surface {
@@ -120,8 +159,37 @@ pub trait Surface {
         self.intersect(origin, dir, t_max, leaving).is_some()
     }
 
-    /// The point at a hit that [`intersect`](Self::intersect) has returned
-    /// for the same ray.
+    /// Tells every hit with `0 < t`, in any order. Along a closed shape they
+    /// are entries and exits in turn and the last one is an exit, so that the
+    /// ray starts inside exactly if their number is odd.
+    ///
+    /// By default the hits are found one after the other, each from the one
+    /// before; shapes that know all at once say so.
+    fn crossings(
+        &self,
+        origin: DVec3,
+        dir: DVec3,
+        leaving: Option<u32>,
+        found: &mut dyn FnMut(ShapeHit),
+    ) {
+        let (mut from, mut past, mut leaving) = (origin, 0.0, leaving);
+        while let Some(hit) = self.intersect(from, dir, f64::INFINITY, leaving) {
+            let point = self.surface(from, dir, &hit);
+            past += hit.t;
+            found(ShapeHit { t: past, ..hit });
+            from = pushed_out(point.p, point.error, point.ng, dir);
+            leaving = Some(hit.part);
+        }
+    }
+
+    /// True if a ray is inside after all its [`crossings`](Self::crossings):
+    /// half of all rays end up behind a plane, none in a bounded shape.
+    fn ends_inside(&self, _origin: DVec3, _dir: DVec3, _leaving: Option<u32>) -> bool {
+        false
+    }
+
+    /// The point at a hit that [`intersect`](Self::intersect) or
+    /// [`crossings`](Self::crossings) has returned for the same ray.
     fn surface(&self, origin: DVec3, dir: DVec3, hit: &ShapeHit) -> ShapePoint;
 
     /// How the shading normal turns at a point of a part; `at` tells what is
@@ -161,6 +229,12 @@ macro_rules! each {
             Shape::Disc($s) => $call,
             Shape::Sphere($s) => $call,
             Shape::Cylinder($s) => $call,
+            Shape::Conic($s) => $call,
+            Shape::Ellipsoid($s) => $call,
+            Shape::Quadric($s) => $call,
+            Shape::Torus($s) => $call,
+            Shape::Cuboid($s) => $call,
+            Shape::Solid($s) => $call,
             Shape::Triangle($s) => $call,
             Shape::Mesh($s) => $call,
             Shape::Implicit($s) => $call,
@@ -187,6 +261,20 @@ impl Surface for Shape {
     #[inline]
     fn occludes(&self, origin: DVec3, dir: DVec3, t_max: f64, leaving: Option<u32>) -> bool {
         each!(self, s => s.occludes(origin, dir, t_max, leaving))
+    }
+
+    fn crossings(
+        &self,
+        origin: DVec3,
+        dir: DVec3,
+        leaving: Option<u32>,
+        found: &mut dyn FnMut(ShapeHit),
+    ) {
+        each!(self, s => s.crossings(origin, dir, leaving, found));
+    }
+
+    fn ends_inside(&self, origin: DVec3, dir: DVec3, leaving: Option<u32>) -> bool {
+        each!(self, s => s.ends_inside(origin, dir, leaving))
     }
 
     #[inline]

@@ -51,6 +51,21 @@ impl Surface for Plane {
         plane_crossing(self.point, self.normal, origin, dir, t_max).map(|t| ShapeHit::on(0, t))
     }
 
+    /// A plane is crossed once at most; behind its normal is inside.
+    fn ends_inside(&self, origin: DVec3, dir: DVec3, leaving: Option<u32>) -> bool {
+        let (height, along) = if leaving.is_some() {
+            (0.0, self.normal.dot(dir))
+        } else {
+            (self.normal.dot(origin - self.point), self.normal.dot(dir))
+        };
+        // A crossing that lies infinitely far is none.
+        if (height / along).is_finite() {
+            along < 0.0
+        } else {
+            height < 0.0
+        }
+    }
+
     #[inline]
     fn surface(&self, origin: DVec3, dir: DVec3, hit: &ShapeHit) -> ShapePoint {
         let (p, error) = drop_onto(self.point, self.normal, origin + dir * hit.t);

@@ -41,7 +41,7 @@ impl Sphere {
 
     /// The normal is unit up to a square, two sums, a root and a quotient;
     /// one more rounding scales it and one adds the centre.
-    fn error(&self) -> f64 {
+    pub(super) fn error(&self) -> f64 {
         gamma(6) * self.radius + U * (self.center.abs().max_element() + self.radius)
     }
 }
@@ -86,6 +86,30 @@ impl Surface for Sphere {
         // is behind the origin. Either way that one is asked first.
         let q = -(h + discriminant.sqrt().copysign(h + 0.0));
         accept(constant_term(start, self.radius) / q).or_else(|| accept(q / a))
+    }
+
+    fn crossings(
+        &self,
+        origin: DVec3,
+        dir: DVec3,
+        leaving: Option<u32>,
+        found: &mut dyn FnMut(ShapeHit),
+    ) {
+        let from = origin - self.center;
+        let (a, h) = (dir.length_squared(), from.dot(dir));
+        let (near, far) = if leaving.is_some() {
+            (0.0, -2.0 * h / a)
+        } else {
+            let closest = (from - dir * (h / a)).length();
+            let Some(both) = crossings(a, h, closest, from.length(), self.radius) else {
+                return;
+            };
+            both
+        };
+        [near, far]
+            .into_iter()
+            .filter(|&t| t > 0.0)
+            .for_each(|t| found(ShapeHit::on(0, t)));
     }
 
     #[inline]

@@ -3,6 +3,8 @@
 
 mod camera;
 mod checks;
+mod curved;
+mod lens;
 mod implicit;
 mod light;
 mod material;
@@ -10,6 +12,7 @@ mod mesh;
 mod object;
 mod placement;
 mod shape;
+mod solid;
 
 use std::{collections::HashMap, path::Path, sync::Arc};
 

@@ -30,7 +30,7 @@ impl<'d> Builder<'d> {
             .name
             .clone()
             .unwrap_or_else(|| format!("objects[{index}]"));
-        let shape = d.shape.as_ref().and_then(|s| self.shape(s));
+        let shape = d.shape.as_ref().and_then(|s| self.shape(s.node, &s.value));
         let material = d.material.as_ref().and_then(|m| self.chosen_material(m));
         let transform = self.placement(d.at.as_ref());
         let (shape, material, transform) = (shape?, material?, transform.ok()?);
@@ -89,7 +89,10 @@ impl<'d> Builder<'d> {
         if !shape.is_closed() {
             let (label, close) = match shape {
                 Shape::Mesh(mesh) => (super::mesh::describe_opening(mesh), "close the mesh"),
-                Shape::Cylinder(_) => ("a tube without ends".to_owned(), "write `capped: true`"),
+                Shape::Cylinder(_) | Shape::Conic(_) | Shape::Quadric(_) => (
+                    "this surface has open ends".to_owned(),
+                    "write `capped: true`",
+                ),
                 Shape::Implicit(_) => (
                     "not proven to close within its bounds".to_owned(),
                     "widen `bounds` until the formula is above 0 all over their faces",

@@ -8,7 +8,7 @@ use crate::{
     numeric::trig,
     scene::{
         MAX_LENGTH, MIN_LENGTH,
-        description::{Part, Rotation, TransformStep},
+        description::{Part, Rotation, Rotations, TransformStep},
         outline::NodeId,
     },
 };
@@ -26,10 +26,31 @@ impl Builder<'_> {
         let Some(Part { node, value: steps }) = at else {
             return Ok(None);
         };
+        let steps: Vec<_> = steps.iter().map(|s| (s.node, &s.value)).collect();
+        let map = self.steps(*node, &steps).ok_or(Reported)?;
+        self.regular(*node, map)
+    }
+
+    /// Steps, each with its place, as one map.
+    pub(super) fn steps(
+        &mut self,
+        node: NodeId,
+        steps: &[(NodeId, &TransformStep)],
+    ) -> Option<DAffine3> {
         let mut map = DAffine3::IDENTITY;
-        for step in steps {
-            map = self.step(step).ok_or(Reported)? * map;
+        for (node, step) in steps {
+            map = self.step(*node, step)? * map;
         }
+        self.regular(node, map).ok().map(|_| map)
+    }
+
+    /// A map that can be inverted and stays within the range of lengths;
+    /// `None` if it moves nothing.
+    pub(super) fn regular(
+        &mut self,
+        node: NodeId,
+        map: DAffine3,
+    ) -> Result<Option<Transform>, Reported> {
         if map == DAffine3::IDENTITY {
             return Ok(None);
         }
@@ -44,17 +65,16 @@ impl Builder<'_> {
             let label = "this map cannot be inverted, or leaves the range of lengths";
             let help = "no axis may be scaled to (nearly) nothing";
             self.report
-                .reject::<()>(*node, "a singular transform", label, help);
+                .reject::<()>(node, "a singular transform", label, help);
             return Err(Reported);
         }
         Ok(transform)
     }
 
     /// Scale, then rotate, then translate.
-    fn step(&mut self, step: &Part<TransformStep>) -> Option<DAffine3> {
-        let node = step.node;
+    fn step(&mut self, node: NodeId, step: &TransformStep) -> Option<DAffine3> {
         let mut map = DAffine3::IDENTITY;
-        if let Some(scale) = step.value.scale {
+        if let Some(scale) = step.scale {
             let s = DVec3::from_array(scale.0);
             if s.abs().min_element() < MIN_LENGTH || s.abs().max_element() > MAX_LENGTH {
                 let place = self.report.field(node, "scale");
@@ -75,13 +95,22 @@ impl Builder<'_> {
             }
             map = DAffine3::from_scale(s);
         }
-        for rotation in step.value.rotate.iter().flat_map(|r| &r.0) {
-            let place = self.report.field(node, "rotate");
-            map = DAffine3::from_mat3(self.rotation(place, rotation)?) * map;
+        if let Some(rotations) = &step.rotate {
+            map = DAffine3::from_mat3(self.rotations(node, rotations)?) * map;
         }
-        if let Some(translate) = step.value.translate {
+        if let Some(translate) = step.translate {
             let shift = self.report.point(node, "translate", translate)?;
             map = DAffine3::from_translation(shift) * map;
+        }
+        Some(map)
+    }
+
+    /// The rotations of the field `rotate`, the first one first.
+    pub(super) fn rotations(&mut self, node: NodeId, list: &Rotations) -> Option<DMat3> {
+        let place = self.report.field(node, "rotate");
+        let mut map = DMat3::IDENTITY;
+        for rotation in &list.0 {
+            map = self.rotation(place, rotation)? * map;
         }
         Some(map)
     }

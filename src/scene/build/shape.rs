@@ -12,7 +12,7 @@ use crate::{
     },
     numeric::gamma,
     scene::{
-        description::{DiscShape, Part, QuadShape, ShapeDescription, Triple},
+        description::{DiscShape, QuadShape, ShapeDescription, Triple},
         outline::NodeId,
     },
 };
@@ -46,9 +46,8 @@ impl DiscGeometry {
 }
 
 impl<'d> Builder<'d> {
-    pub(super) fn shape(&mut self, part: &'d Part<ShapeDescription>) -> Option<Shape> {
-        let node = part.node;
-        match &part.value {
+    pub(super) fn shape(&mut self, node: NodeId, shape: &'d ShapeDescription) -> Option<Shape> {
+        match shape {
             ShapeDescription::Plane(s) => {
                 let point = self.report.point(node, "point", s.point);
                 let normal = self.report.direction(node, "normal", s.normal);
@@ -89,6 +88,18 @@ impl<'d> Builder<'d> {
                 }
                 Some(Shape::Triangle(Triangle::new(a, b, c)))
             }
+            ShapeDescription::Cone(s) => self.cone(node, s),
+            ShapeDescription::Paraboloid(s) => self.paraboloid(node, s),
+            ShapeDescription::Hyperboloid(s) => self.hyperboloid(node, s),
+            ShapeDescription::Ellipsoid(s) => self.ellipsoid(node, s),
+            ShapeDescription::Quadric(s) if !s.capped => self.quadric(node, s),
+            ShapeDescription::Torus(s) => self.torus(node, s),
+            ShapeDescription::Box(s) => self.cuboid(node, s).map(Shape::Cuboid),
+            ShapeDescription::Quadric(_)
+            | ShapeDescription::Union(_)
+            | ShapeDescription::Intersection(_)
+            | ShapeDescription::Difference(_)
+            | ShapeDescription::Lens(_) => self.solid(node, shape),
             ShapeDescription::Mesh(s) => self.mesh_shape(node, s).map(Shape::Mesh),
             ShapeDescription::Waves(s) => self.waves(node, s).map(Shape::Mesh),
             ShapeDescription::TorusKnot(s) => self.torus_knot(node, s).map(Shape::Mesh),
@@ -97,7 +108,7 @@ impl<'d> Builder<'d> {
     }
 
     /// Two points that must differ, also after rounding.
-    fn distinct(
+    pub(super) fn distinct(
         &mut self,
         node: NodeId,
         key: &str,

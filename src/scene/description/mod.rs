@@ -6,10 +6,12 @@
 //! read on its own and several mistakes are found in one go; each part keeps
 //! its [`NodeId`] so that later checks can point at it.
 
+mod curved;
 mod implicit;
 mod light;
 mod mesh;
 mod shape;
+mod solid;
 mod transform;
 mod value;
 
@@ -17,6 +19,9 @@ use serde::Deserialize;
 
 use super::outline::NodeId;
 
+pub use curved::{
+    BoxShape, ConeShape, EllipsoidShape, HyperboloidShape, ParaboloidShape, QuadricShape, TorusShape,
+};
 pub use implicit::{ImplicitShape, MethodDescription};
 pub use light::{
     DirectionalLight, DiscLight, LightDescription, PointLight, QuadLight, SphereLight, SpotLight,
@@ -25,7 +30,8 @@ pub use mesh::{Cells, MeshFields, MeshSource, TorusKnot, Wave, Waves};
 pub use shape::{
     CylinderShape, DiscShape, PlaneShape, QuadShape, ShapeDescription, SphereShape, TriangleShape,
 };
-pub use transform::{Rotation, Rotations, Scale, TransformStep};
+pub use solid::{LensShape, Operand, SolidShape};
+pub use transform::{Rotation, Rotations, Scale, Steps, TransformStep};
 pub use value::{Colour, Number, Pair, Triple};
 
 /// A part of the scene and where it stands.

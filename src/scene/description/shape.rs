@@ -2,7 +2,10 @@
 
 use serde::Deserialize;
 
-use super::{ImplicitShape, MeshFields, Number, Pair, TorusKnot, Triple, Waves};
+use super::{
+    BoxShape, ConeShape, EllipsoidShape, HyperboloidShape, ImplicitShape, LensShape, MeshFields, Number, Pair,
+    ParaboloidShape, QuadricShape, SolidShape, TorusKnot, TorusShape, Triple, Waves,
+};
 
 /// What an object's `shape` field says.
 #[derive(Clone, Debug, Deserialize)]
@@ -18,6 +21,28 @@ pub enum ShapeDescription {
     Sphere(SphereShape),
     /// A circular tube.
     Cylinder(CylinderShape),
+    /// A cone, pointed or cut off.
+    Cone(ConeShape),
+    /// A paraboloid of revolution.
+    Paraboloid(ParaboloidShape),
+    /// A hyperboloid of revolution, of one sheet.
+    Hyperboloid(HyperboloidShape),
+    /// A squashed and turned sphere.
+    Ellipsoid(EllipsoidShape),
+    /// A polynomial of second degree.
+    Quadric(QuadricShape),
+    /// A ring.
+    Torus(TorusShape),
+    /// A box.
+    Box(BoxShape),
+    /// What is in any of several solids.
+    Union(SolidShape),
+    /// What is in all of several solids.
+    Intersection(SolidShape),
+    /// What is in the first of several solids only.
+    Difference(SolidShape),
+    /// A lens with two spherical faces.
+    Lens(LensShape),
     /// One triangle.
     Triangle(TriangleShape),
     /// A mesh from a file, by name, or in place.
@@ -39,6 +64,17 @@ impl ShapeDescription {
             Self::Disc(_) => "Disc",
             Self::Sphere(_) => "Sphere",
             Self::Cylinder(_) => "Cylinder",
+            Self::Cone(_) => "Cone",
+            Self::Paraboloid(_) => "Paraboloid",
+            Self::Hyperboloid(_) => "Hyperboloid",
+            Self::Ellipsoid(_) => "Ellipsoid",
+            Self::Quadric(_) => "Quadric",
+            Self::Torus(_) => "Torus",
+            Self::Box(_) => "Box",
+            Self::Union(_) => "Union",
+            Self::Intersection(_) => "Intersection",
+            Self::Difference(_) => "Difference",
+            Self::Lens(_) => "Lens",
             Self::Triangle(_) => "Triangle",
             Self::Mesh(_) => "Mesh",
             Self::Waves(_) => "Waves",

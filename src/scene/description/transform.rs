@@ -22,6 +22,10 @@ pub struct TransformStep {
     pub translate: Option<Triple>,
 }
 
+/// One step, or a list of them applied in order.
+#[derive(Clone, Debug)]
+pub struct Steps(pub Vec<TransformStep>);
+
 /// Factors along x, y and z.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Scale(pub [f64; 3]);
@@ -89,6 +93,29 @@ impl<'de> Deserialize<'de> for Rotations {
                     list.push(rotation);
                 }
                 Ok(Rotations(list))
+            }
+        }
+        deserializer.deserialize_any(V)
+    }
+}
+
+impl<'de> Deserialize<'de> for Steps {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct V;
+        impl<'de> Visitor<'de> for V {
+            type Value = Steps;
+            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                f.write_str("`(scale: .., rotate: .., translate: ..)`, or a list of such steps")
+            }
+            fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<Steps, A::Error> {
+                TransformStep::deserialize(MapAccessDeserializer::new(map)).map(|s| Steps(vec![s]))
+            }
+            fn visit_seq<A: SeqAccess<'de>>(self, mut seq: A) -> Result<Steps, A::Error> {
+                let mut list = vec![];
+                while let Some(step) = seq.next_element()? {
+                    list.push(step);
+                }
+                Ok(Steps(list))
             }
         }
         deserializer.deserialize_any(V)
