@@ -48,6 +48,20 @@ const SCENE: &str = r#"(
         (name: "oil", shape: Sphere(center: (3.2, 0.6, 0.5), radius: 0.9), material: Dielectric(ior: 1.4, priority: -1)),
         (name: "bubble", shape: Sphere(center: (3.4, 0.3, 0.2), radius: 0.7), material: Dielectric(ior: 1, priority: 1)),
         (name: "hidden", shape: Sphere(center: (3.4, 0.3, 0.2), radius: 0.4), material: Dielectric(ior: 2)),
+        (name: "cone", shape: Cone(base: (0, 5, 2), end: (0.2, 5.2, 4), radius: 1.2, top_radius: 0.4, capped: true), material: "glass"),
+        (name: "dish", shape: Paraboloid(base: (3, 3, 3), apex: (4, 4, 4), radius: 1.2), material: "metal"),
+        (name: "tower", shape: Hyperboloid(base: (4, 4, -4), end: (4, 4, -1.5), radius: 1, waist: 0.6, end_radius: 0.8, capped: true), material: "glass"),
+        (name: "pebble", shape: Ellipsoid(center: (-4, 0, 3), semi_axes: (1.4, 1, 0.7), rotate: (axis: (1, 2, 3), degrees: 40)), material: "glass"),
+        (name: "ring", shape: Torus(center: (-4, -1, -3), axis: (1, 0.4, 0.8), major: 1, minor: 0.45), material: "glass"),
+        (name: "block", shape: Box(center: (0, 4.5, -3), size: (1.6, 1.4, 1.2)), material: "glass", at: (rotate: (axis: (0, 0, 1), degrees: 10))),
+        (name: "saddle", shape: Quadric(coefficients: (0.3, -0.2, 0, 0.1, 0, 0, -0.6, 0.4, -1, 4.5), bounds: ((-3, -5, 1), (-0.5, -2.5, 6))), material: "metal"),
+        (name: "lens", shape: Lens(r1: 1.5, r2: -2, thickness: 0.6, aperture: 1.6), material: "glass",
+            at: (rotate: (axis: (0, 1, 0.2), degrees: 60), translate: (3.5, 0, -3))),
+        (name: "die", shape: Difference(of: [
+            (shape: Box(center: (0, 0, 0), size: (1.6, 1.6, 1.6))),
+            (shape: Sphere(center: (0.9, 0, 0), radius: 0.6)),
+            (shape: Sphere(center: (0, -0.9, 0), radius: 0.6)),
+         ]), material: "glass", at: (rotate: (axis: (1, 1, 0), degrees: 200), translate: (-3.5, 2, -3))),
     ],
     lights: [Point(position: (0, 0, 0), power: 1)],
 )"#;
@@ -227,6 +241,15 @@ fn derivatives_follow_every_chain_of_surfaces() {
         (11, &[1, 2]),
         (12, &[1, 2]),
         (13, &[1, 2]),
+        (15, &[1, 2]),
+        (16, &[1]),
+        (17, &[1, 2]),
+        (18, &[1, 2]),
+        (19, &[1, 2]),
+        (20, &[1, 2]),
+        (21, &[1]),
+        (22, &[1, 2]),
+        (23, &[1, 2]),
     ] {
         for kind in kinds {
             let count = met.get(&(name, *kind)).copied().unwrap_or(0);

@@ -45,7 +45,7 @@ fn scene_files() -> Vec<PathBuf> {
 #[test]
 fn every_scene_loads_and_has_a_header() {
     let files = scene_files();
-    assert!(files.len() >= 14, "only {} scenes", files.len());
+    assert!(files.len() >= 17, "only {} scenes", files.len());
     for file in files {
         let text = fs::read_to_string(&file).unwrap();
         let header: Vec<&str> = text.lines().take_while(|l| l.starts_with("//")).collect();
@@ -119,6 +119,53 @@ fn ball_lenses_focus_at_their_focal_length() {
     let f = focus(&scene, DVec3::new(0.0, 0.0, 0.40001), beam, 0.9, 1e-4);
     let on_table = DVec3::new(0.0, 0.0, 0.40001) + beam * f;
     assert!(on_table.z.abs() < 2e-5 && (on_table.x - 0.2f64.sqrt()).abs() < 1e-5);
+}
+
+#[test]
+fn the_searchlight_and_its_cone_are_as_the_header_says() {
+    let scene = load("conics.ron");
+    // Every ray from the focus leaves the mirror along the axis.
+    let focus = DVec3::new(-1.0, 0.0, 0.75);
+    for (y, z) in [(0.1, 0.0), (0.7, -0.3), (-1.5, 1.0)] {
+        let ray = Ray::new(focus, DVec3::new(-1.0, y, z).normalize());
+        let out = after(&scene, ray, 1);
+        assert!((out.dir - DVec3::X).length() < 1e-14, "{}", out.dir);
+    }
+    // Not through the tip, where the cone has no normal.
+    let ray = Ray::new(DVec3::new(0.0, 0.12, 0.9), DVec3::X);
+    let out = after(&scene, ray, 2);
+    let turned = out.dir.x.acos().to_degrees();
+    let a = (0.05f64 / 0.15).atan();
+    let known = (1.5 * a.sin()).asin() - a;
+    assert!((known.to_degrees() - 9.87).abs() < 0.005, "{}", known.to_degrees());
+    assert!((turned - known.to_degrees()).abs() < 1e-9, "{turned}");
+}
+
+#[test]
+fn the_glass_ring_focuses_on_the_table() {
+    let scene = load("torus.ron");
+    let center = DVec3::new(-0.25, 0.0, 0.18);
+    for degrees in [0.0f64, 77.0, 200.0] {
+        let (sin, cos) = degrees.to_radians().sin_cos();
+        let side = DVec3::new(cos, sin, 0.0);
+        let start = center + side * (0.4 + 1e-4) + DVec3::Z;
+        let out = after(&scene, Ray::new(start, DVec3::NEG_Z), 2);
+        let t = (0.4 - (out.origin - center).dot(side)) / out.dir.dot(side);
+        let height = (out.origin + out.dir * t).z;
+        assert!(height.abs() < 1e-6, "{height}");
+    }
+}
+
+#[test]
+fn the_burning_glass_focuses_on_the_table() {
+    let scene = load("solids.ron");
+    let power: f64 = 0.5 * (4.0 - 0.05 / (1.5 * 0.25));
+    let known = (1.0 - 0.05 / (1.5 * 0.5)) / power;
+    assert!((1.0 / power - 0.5172).abs() < 5e-5 && (known - 0.4828).abs() < 5e-5);
+    let center = DVec3::new(-0.3, 0.0, 0.5327586207);
+    let found = focus(&scene, center, DVec3::NEG_Z, 1.0, 1e-4);
+    assert!((found - 0.05 - known).abs() < 1e-6, "{found}");
+    assert!((center.z - found).abs() < 1e-6, "on the table");
 }
 
 /// The brightest caustic of a small render lies at the focus.

@@ -80,14 +80,17 @@ impl Instance {
 mod tests {
     use std::sync::Arc;
 
-    use glam::{DAffine3, DQuat};
+    use glam::{DAffine3, DMat3, DQuat};
 
     use super::*;
     use crate::{
         formula::Formula,
         geometry::{
             Aabb, Ray, Shape, Transform, TriangleMesh,
-            shape::{Cylinder, Disc, Implicit, Plane, Quad, RootFinder, Sphere, Triangle},
+            shape::{
+                Body, Conic, Cuboid, Cylinder, Disc, Ellipsoid, Implicit, Plane, Quad, Quadric,
+                RootFinder, Solid, Sphere, Torus, Triangle,
+            },
         },
         sampling::{Purpose, Sequence, warp},
     };
@@ -116,6 +119,19 @@ mod tests {
             .flat_map(|i| [[i, i + 1, i + 11], [i, i + 11, i + 10]])
             .collect();
         let mesh = TriangleMesh::new(grid, None, triangles).expect("a sound mesh");
+        let block = Aabb {
+            min: DVec3::splat(-0.7),
+            max: DVec3::new(0.3, 0.5, 0.7),
+        };
+        let cuboid = Shape::Cuboid(Cuboid::new(block));
+        let parts = [cuboid.clone(), Shape::Sphere(Sphere::new(DVec3::X, 0.9))];
+        let parts = parts.map(|shape| {
+            Body::Shape(Instance {
+                shape,
+                transform: None,
+            })
+        });
+        let solid = Solid::new(Body::Difference(parts.into())).expect("bounded");
         vec![
             Shape::Plane(Plane::new(DVec3::ZERO, DVec3::new(0.3, 0.2, 1.0))),
             Shape::Quad(Quad::new(
@@ -138,6 +154,27 @@ mod tests {
             )),
             Shape::Mesh(Arc::new(mesh)),
             Shape::Implicit(Arc::new(torus())),
+            Shape::Conic(Conic::cone(DVec3::NEG_Z, DVec3::Z, [0.9, 0.0], true)),
+            Shape::Conic(Conic::paraboloid(DVec3::X, DVec3::NEG_X, 0.9, false)),
+            Shape::Conic(Conic::hyperboloid(
+                DVec3::NEG_Z,
+                DVec3::Z,
+                [0.9, 0.7],
+                0.4,
+                true,
+            )),
+            Shape::Ellipsoid(Arc::new(
+                Ellipsoid::new(DVec3::ZERO, DVec3::new(0.9, 0.6, 0.3), DMat3::IDENTITY)
+                    .expect("regular"),
+            )),
+            Shape::Torus(Torus::new(DVec3::ZERO, DVec3::ONE, 0.8, 0.3)),
+            cuboid,
+            Shape::Quadric(Arc::new(Quadric::new(
+                &[1.0, -0.7, 0.5, 0.3, 0.0, 0.2, 0.1, 0.0, -0.3, -0.2],
+                block,
+                true,
+            ))),
+            Shape::Solid(Arc::new(solid)),
         ]
     }
 

@@ -87,7 +87,8 @@ fn closed_form(c: &[f64], lo: f64, hi: f64) -> RootList {
             found.push(t);
         }
     };
-    match quadratic(at(2), 0.5 * at(1), at(0)) {
+    // The sign of a zero chooses how roots are rounded: there is but one.
+    match quadratic(at(2), 0.5 * at(1) + 0.0, at(0)) {
         Roots::None => {}
         Roots::One(t) => keep(t),
         Roots::Two(a, b) => {

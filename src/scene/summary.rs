@@ -1,9 +1,16 @@
 //! What a scene contains, in a few lines.
 
-use std::{collections::BTreeMap, fmt};
+use std::{
+    collections::{BTreeMap, HashSet},
+    fmt,
+};
 
 use super::Scene;
-use crate::{geometry::Shape, light::Light, material::Material};
+use crate::{
+    geometry::{Shape, TriangleMesh},
+    light::Light,
+    material::Material,
+};
 
 /// Counts of what a scene contains.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -36,19 +43,14 @@ impl Summary {
             stored_triangles: 0,
             lights: BTreeMap::new(),
         };
-        let mut seen = std::collections::HashSet::new();
+        let mut seen = HashSet::new();
         for (object, instance) in scene.objects.iter().zip(scene.world.instances()) {
             let shape = &instance.shape;
-            if let Shape::Mesh(mesh) = shape {
-                let count = mesh.triangle_count() as u64;
-                summary.triangles += count;
-                if seen.insert(std::sync::Arc::as_ptr(mesh)) {
-                    summary.stored_triangles += count;
-                }
-            } else if matches!(shape, Shape::Triangle(_)) {
-                summary.triangles += 1;
-                summary.stored_triangles += 1;
+            if let Shape::Solid(solid) = shape {
+                let operands = solid.operands().map(|i| &i.shape);
+                operands.for_each(|s| summary.count_triangles(s, &mut seen));
             }
+            summary.count_triangles(shape, &mut seen);
             if object.light.is_none() {
                 summary.objects += 1;
                 summary.casters += usize::from(object.material.casts_caustics());
@@ -62,6 +64,20 @@ impl Summary {
             *summary.lights.entry(light_kind(&light.light)).or_default() += 1;
         }
         summary
+    }
+
+    /// Adds the triangles of a shape, those in memory unless they are in `seen`.
+    fn count_triangles(&mut self, shape: &Shape, seen: &mut HashSet<*const TriangleMesh>) {
+        let (count, new) = match shape {
+            Shape::Mesh(mesh) => {
+                let new = seen.insert(std::sync::Arc::as_ptr(mesh));
+                (mesh.triangle_count() as u64, new)
+            }
+            Shape::Triangle(_) => (1, true),
+            _ => return,
+        };
+        self.triangles += count;
+        self.stored_triangles += if new { count } else { 0 };
     }
 
     /// Number of lights.

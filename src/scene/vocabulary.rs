@@ -20,7 +20,6 @@ pub(super) fn expectation(field: &str) -> Option<&'static str> {
         "size" => "`(width, height)` in metres, of a Box `(x, y, z)`, all above 0",
         "semi_axes" => "half the widths `(x, y, z)` in metres, all above 0",
         "coefficients" => "ten numbers: of x^2, y^2, z^2, xy, yz, xz, x, y, z and 1",
-        "bounds" => "two corners of a box `((x, y, z), (x, y, z))` in metres",
         "of" => "a list of solids: `[(shape: .., at: ..), ..]`",
         "r1" | "r2" => "a radius of curvature in metres, not 0",
         "translate" => "a shift `(x, y, z)` in metres",

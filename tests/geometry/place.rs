@@ -4,8 +4,8 @@ use std::sync::Arc;
 
 use glam::{DAffine3, DQuat, DVec3};
 use nephroid::geometry::{
-    Instance, Ray, Shape, Surface, Transform, World,
-    shape::{Cylinder, Disc, Plane, Quad, Sphere},
+    Aabb, Instance, Ray, Shape, Surface, Transform, World,
+    shape::{Conic, Cuboid, Cylinder, Disc, Plane, Quad, Sphere, Torus},
 };
 
 use crate::scenes::{self, Random, sphere_mesh};
@@ -57,6 +57,40 @@ fn diorama(scale: f64, shift: DVec3) -> World {
                 DVec3::Y * 6.0 * scale,
                 DVec3::Z * 5.0 * scale,
             )),
+            None,
+        ),
+        (
+            Shape::Conic(Conic::cone(
+                p(2.0, 2.0, -0.5),
+                p(2.2, 2.1, 1.0),
+                [0.6 * scale, 0.0],
+                true,
+            )),
+            None,
+        ),
+        (
+            Shape::Conic(Conic::paraboloid(
+                p(2.0, -2.0, 1.0),
+                p(2.0, -2.0, -0.5),
+                0.7 * scale,
+                false,
+            )),
+            None,
+        ),
+        (
+            Shape::Torus(Torus::new(
+                p(-1.5, 2.0, 0.5),
+                DVec3::new(0.3, 0.2, 1.0),
+                0.7 * scale,
+                0.25 * scale,
+            )),
+            None,
+        ),
+        (
+            Shape::Cuboid(Cuboid::new(Aabb {
+                min: p(0.5, -2.0, -0.5),
+                max: p(1.0, -1.25, 0.25),
+            })),
             None,
         ),
         (

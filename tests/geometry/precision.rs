@@ -5,8 +5,10 @@ use std::sync::Arc;
 use glam::{DAffine3, DMat3, DVec3};
 use nephroid::{
     geometry::{
-        Ray, Shape, SurfacePoint, Transform, TriangleMesh, World,
-        shape::{Cylinder, Disc, Plane, Quad, Sphere, Triangle},
+        Aabb, Ray, Shape, SurfacePoint, Transform, TriangleMesh, World,
+        shape::{
+            Conic, Cuboid, Cylinder, Disc, Ellipsoid, Plane, Quad, Quadric, Sphere, Torus, Triangle,
+        },
     },
     numeric::Frame,
 };
@@ -16,6 +18,9 @@ use crate::{
     exact::{Dd, Vec3Dd, add, cross, dot, length, sub, vec},
     scenes::{Random, single},
 };
+
+/// How many kinds of shapes there are.
+const KINDS: u64 = 13;
 
 /// A shape as it was asked for, and its signed distance to a point (to first
 /// order) in 32 digits.
@@ -34,7 +39,11 @@ fn case(random: &mut Random, kind: u64, at: DVec3, size: f64) -> Case {
     let flat = move |origin: DVec3, normal: Vec3Dd| -> Box<dyn Fn(Vec3Dd, u32) -> Dd> {
         Box::new(move |p, _| dot(sub(p, vec(origin)), normal) / length(normal))
     };
-    match kind % 6 {
+    match kind {
+        6..=8 => conic(random, kind, at, size),
+        9 => ellipsoid(random, at, size),
+        10 => torus(random, at, size),
+        11 => quadric(random, at, size),
         0 => Case {
             shape: Shape::Plane(Plane::new(at, frame.n * 3.0)),
             distance: flat(at, vec(frame.n * 3.0)),
@@ -65,7 +74,22 @@ fn case(random: &mut Random, kind: u64, at: DVec3, size: f64) -> Case {
             shape: Shape::Sphere(Sphere::new(at, r)),
             distance: Box::new(move |p, _| length(sub(p, vec(at))) - Dd::of(r)),
         },
-        _ => cylinder(at, at + random.direction() * size, r),
+        5 => cylinder(at, at + random.direction() * size, r),
+        _ => {
+            let bounds = Aabb {
+                min: at - DVec3::splat(r),
+                max: at + DVec3::new(0.3, 0.5, 1.0) * size,
+            };
+            let face = move |p: Vec3Dd, part: u32| {
+                let axis = part as usize / 2;
+                let sides = [bounds.min[axis], bounds.max[axis]];
+                p[axis] - Dd::of(sides[part as usize % 2])
+            };
+            Case {
+                shape: Shape::Cuboid(Cuboid::new(bounds)),
+                distance: Box::new(face),
+            }
+        }
     }
 }
 
@@ -78,6 +102,147 @@ fn cylinder(base: DVec3, end: DVec3, r: f64) -> Case {
     };
     Case {
         shape: Shape::Cylinder(Cylinder::new(base, end, r, true)),
+        distance: Box::new(distance),
+    }
+}
+
+/// A frustum or cone (6), paraboloid (7) or hyperboloid (8), capped.
+fn conic(random: &mut Random, kind: u64, at: DVec3, size: f64) -> Case {
+    let end = at + random.direction() * random.range(0.4, 1.5) * size;
+    let r = random.range(0.4, 1.0) * size;
+    let top = if random.below(2) == 0 {
+        0.0
+    } else {
+        random.range(0.3, 1.0) * size
+    };
+    let [top, waist] = match kind {
+        6 => [top, 0.0],
+        7 => [0.0, 0.0],
+        _ => [r, random.range(0.1, 0.9) * r],
+    };
+    let shape = match kind {
+        6 => Conic::cone(at, end, [r, top], true),
+        7 => Conic::paraboloid(at, end, r, true),
+        _ => Conic::hyperboloid(at, end, [r, r], waist, true),
+    };
+    let axis = sub(vec(end), vec(at));
+    let [r, top, waist] = [r, top, waist].map(Dd::of);
+    let two = Dd::of(2.0);
+    let distance = move |p: Vec3Dd, part: u32| {
+        let long = length(axis);
+        let from = sub(p, vec(at));
+        let z = dot(from, axis) / long;
+        let across = length(cross(from, axis)) / long;
+        // Squared radius and half its derivative.
+        let (square, half) = match kind {
+            6 => {
+                let slope = (top - r) / long;
+                let radius = r + slope * z;
+                (radius * radius, radius * slope)
+            }
+            7 => (
+                r * r * (long - z) / long,
+                Dd::of(-0.5) * r * r / long,
+            ),
+            _ => {
+                let k = two * two * (r * r - waist * waist) / (long * long);
+                let w = z - long / two;
+                (waist * waist + k * w * w, k * w)
+            }
+        };
+        match part {
+            0 => {
+                let gradient = (across * across + half * half).sqrt();
+                (across * across - square) / (two * gradient)
+            }
+            1 => z,
+            _ => z - long,
+        }
+    };
+    Case {
+        shape: Shape::Conic(shape),
+        distance: Box::new(distance),
+    }
+}
+
+fn ellipsoid(random: &mut Random, at: DVec3, size: f64) -> Case {
+    let axes = DVec3::from_array([0; 3].map(|_| libm::exp10(random.range(-1.5, 0.0)) * size));
+    let turn = DMat3::from_quat(random.rotation());
+    let columns = [turn.x_axis * axes.x, turn.y_axis * axes.y, turn.z_axis * axes.z];
+    let map = DAffine3 {
+        matrix3: DMat3::from_cols(columns[0], columns[1], columns[2]),
+        translation: at,
+    };
+    let distance = move |p: Vec3Dd, _: u32| {
+        // To first order, from the unit sphere.
+        let (own, _) = back(&map, p, vec(DVec3::X));
+        let radius = length(own);
+        let unit = own.map(|c| c / radius);
+        let (_, gradient) = back(&map, p, unit);
+        (radius - Dd::of(1.0)) / Dd::of(gradient)
+    };
+    Case {
+        shape: Shape::Ellipsoid(Arc::new(Ellipsoid::new(at, axes, turn).expect("regular"))),
+        distance: Box::new(distance),
+    }
+}
+
+fn torus(random: &mut Random, at: DVec3, size: f64) -> Case {
+    let axis = random.direction() * 1.7;
+    let minor = libm::exp10(random.range(-3.0, -0.1)) * size;
+    let distance = move |p: Vec3Dd, _: u32| {
+        let from = sub(p, vec(at));
+        let long = length(vec(axis));
+        let z = dot(from, vec(axis)) / long;
+        let out = length(cross(from, vec(axis))) / long - Dd::of(size);
+        (out * out + z * z).sqrt() - Dd::of(minor)
+    };
+    Case {
+        shape: Shape::Torus(Torus::new(at, axis, size, minor)),
+        distance: Box::new(distance),
+    }
+}
+
+/// A round quadric, which exists in a part of its box only.
+fn quadric(random: &mut Random, at: DVec3, size: f64) -> Case {
+    let mut c = [0.0; 10].map(|_: f64| random.range(-0.3, 0.3));
+    for c in &mut c[..3] {
+        *c += 1.5;
+    }
+    // About `at`, and then about the origin: rounded, as a user would.
+    let [x, y, z] = at.to_array();
+    let linear = [6, 7, 8].map(|i| c[i] * size);
+    c[9] = -size * size;
+    c[9] += c[0] * x * x + c[1] * y * y + c[2] * z * z + c[3] * x * y + c[4] * y * z + c[5] * x * z
+        - linear[0] * x
+        - linear[1] * y
+        - linear[2] * z;
+    c[6] = linear[0] - 2.0 * c[0] * x - c[3] * y - c[5] * z;
+    c[7] = linear[1] - 2.0 * c[1] * y - c[3] * x - c[4] * z;
+    c[8] = linear[2] - 2.0 * c[2] * z - c[4] * y - c[5] * x;
+    let bounds = Aabb {
+        min: at - DVec3::splat(2.0 * size),
+        max: at + DVec3::splat(0.3 * size),
+    };
+    let distance = move |p: Vec3Dd, _: u32| {
+        let [x, y, z] = p;
+        let c = c.map(Dd::of);
+        let two = Dd::of(2.0);
+        let value = c[0] * x * x + c[1] * y * y + c[2] * z * z + c[3] * x * y + c[4] * y * z
+            + c[5] * x * z
+            + c[6] * x
+            + c[7] * y
+            + c[8] * z
+            + c[9];
+        let gradient = [
+            two * c[0] * x + c[3] * y + c[5] * z + c[6],
+            two * c[1] * y + c[3] * x + c[4] * z + c[7],
+            two * c[2] * z + c[4] * y + c[5] * x + c[8],
+        ];
+        value / length(gradient)
+    };
+    Case {
+        shape: Shape::Quadric(Arc::new(Quadric::new(&c, bounds, true))),
         distance: Box::new(distance),
     }
 }
@@ -107,7 +272,7 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(200))]
 
     #[test]
-    fn stated_errors_hold(seed: u64, kind in 0u64..6, exponent in -8.0..8.0f64, away in 0u32..6) {
+    fn stated_errors_hold(seed: u64, kind in 0u64..KINDS, exponent in -8.0..8.0f64, away in 0u32..6) {
         let mut random = Random(seed);
         let size = libm::exp10(exponent);
         let at = random.direction() * size * if away == 0 { 0.0 } else { libm::exp10(f64::from(away) - 1.0) };
@@ -131,7 +296,7 @@ proptest! {
 
     /// The same under a transform: the point is sent back in 32 digits.
     #[test]
-    fn stated_errors_hold_under_transforms(seed: u64, kind in 0u64..6, away in 0u32..6) {
+    fn stated_errors_hold_under_transforms(seed: u64, kind in 0u64..KINDS, away in 0u32..6) {
         let mut random = Random(seed);
         let at = random.vector(3.0);
         let case = case(&mut random, kind, at, 1.0);

@@ -2,10 +2,13 @@
 
 use std::{f64::consts::TAU, sync::Arc};
 
-use glam::{DAffine3, DQuat, DVec3};
+use glam::{DAffine3, DMat3, DQuat, DVec3};
 use nephroid::geometry::{
-    Instance, Ray, Shape, Transform, TriangleMesh, World,
-    shape::{Cylinder, Disc, Plane, Quad, Sphere, Triangle},
+    Aabb, Instance, Ray, Shape, Transform, TriangleMesh, World,
+    shape::{
+        Body, Conic, Cuboid, Cylinder, Disc, Ellipsoid, Plane, Quad, Quadric, Solid, Sphere, Torus,
+        Triangle,
+    },
 };
 
 /// A counter hashed by `SplitMix64`: enough randomness for tests.
@@ -73,10 +76,14 @@ impl Random {
     }
 }
 
-/// A bounded shape of about the given size and kind (modulo 6), near `at`.
+/// How many kinds [`shape`] makes.
+pub(crate) const KINDS: u64 = 14;
+
+/// A bounded shape of about the given size and kind (modulo [`KINDS`]), near
+/// `at`. Curvatures are at most 20 over the size.
 pub(crate) fn shape(random: &mut Random, kind: u64, at: DVec3, size: f64) -> Shape {
     let r = random.range(0.3, 1.0) * size;
-    match kind % 6 {
+    match kind % KINDS {
         0 => Shape::Sphere(Sphere::new(at, r)),
         1 => {
             let end = at + random.direction() * random.range(0.3, 2.0) * size;
@@ -93,8 +100,81 @@ pub(crate) fn shape(random: &mut Random, kind: u64, at: DVec3, size: f64) -> Sha
             let c = at + frame.t * r + frame.s * random.range(-0.5, 0.5) * size;
             Shape::Triangle(Triangle::new(at, at + frame.s * size, c))
         }
-        _ => Shape::Mesh(Arc::new(sphere_mesh(random, 8, at, r, 0.2))),
+        5 => Shape::Mesh(Arc::new(sphere_mesh(random, 8, at, r, 0.2))),
+        6..=8 => conic(random, kind % KINDS, at, size),
+        9 => {
+            let axes = [0; 3].map(|_| random.range(0.5, 1.0) * size);
+            let turn = DMat3::from_quat(random.rotation());
+            let ellipsoid = Ellipsoid::new(at, DVec3::from_array(axes), turn);
+            Shape::Ellipsoid(Arc::new(ellipsoid.expect("regular")))
+        }
+        10 => {
+            let minor = random.range(0.2, 0.6) * size;
+            Shape::Torus(Torus::new(at, random.direction(), size, minor))
+        }
+        11 => Shape::Cuboid(Cuboid::new(Aabb {
+            min: at - DVec3::splat(r),
+            max: at + DVec3::new(0.5, 0.7, 1.0) * size,
+        })),
+        12 => {
+            let parts = [
+                Shape::Sphere(Sphere::new(at, size)),
+                Shape::Sphere(Sphere::new(at + random.direction() * r, 0.7 * size)),
+                Shape::Cylinder(Cylinder::new(
+                    at - DVec3::Z * size,
+                    at + DVec3::Z * size,
+                    0.3 * size,
+                    true,
+                )),
+            ];
+            let parts = parts.map(|shape| {
+                Body::Shape(Instance {
+                    shape,
+                    transform: None,
+                })
+            });
+            Shape::Solid(Arc::new(
+                Solid::new(Body::Difference(parts.into())).expect("bounded"),
+            ))
+        }
+        _ => Shape::Quadric(Arc::new(saddle(random, at, size))),
     }
+}
+
+/// A frustum (6), paraboloid (7) or hyperboloid (8), open or capped.
+fn conic(random: &mut Random, kind: u64, at: DVec3, size: f64) -> Shape {
+    let end = at + random.direction() * random.range(0.4, 1.0) * size;
+    let capped = random.below(2) == 0;
+    let [r, s] = [0; 2].map(|_| random.range(0.6, 1.0) * size);
+    Shape::Conic(match kind {
+        6 => Conic::cone(at, end, [r, s], capped),
+        7 => Conic::paraboloid(at, end, r, capped),
+        _ => Conic::hyperboloid(at, end, [r, s], 0.55 * size, capped),
+    })
+}
+
+/// A quadric with a gradient that is nowhere small: a saddle in a box.
+fn saddle(random: &mut Random, at: DVec3, size: f64) -> Quadric {
+    let [a, b, c] = [0; 3].map(|_| random.range(-0.5, 0.5) / size);
+    let [x, y, z] = at.to_array();
+    // z = a x^2 + b y^2 + c x y, about `at`.
+    let coefficients = [
+        a,
+        b,
+        0.0,
+        c,
+        0.0,
+        0.0,
+        -2.0 * a * x - c * y,
+        -2.0 * b * y - c * x,
+        -1.0,
+        a * x * x + b * y * y + c * x * y + z,
+    ];
+    let bounds = Aabb {
+        min: at - DVec3::splat(size),
+        max: at + DVec3::new(0.5, 0.7, 1.0) * size,
+    };
+    Quadric::new(&coefficients, bounds, true)
 }
 
 /// A world of `count` shapes of all kinds in a box of half-size 3, some

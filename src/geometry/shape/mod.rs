@@ -173,7 +173,10 @@ pub trait Surface {
         found: &mut dyn FnMut(ShapeHit),
     ) {
         let (mut from, mut past, mut leaving) = (origin, 0.0, leaving);
-        while let Some(hit) = self.intersect(from, dir, f64::INFINITY, leaving) {
+        for _ in 0..MOST_CROSSINGS {
+            let Some(hit) = self.intersect(from, dir, f64::INFINITY, leaving) else {
+                return;
+            };
             let point = self.surface(from, dir, &hit);
             past += hit.t;
             found(ShapeHit { t: past, ..hit });
@@ -219,6 +222,10 @@ pub trait Surface {
     /// right only as far as `within`.
     fn distance_bound(&self, p: DVec3, within: f64) -> f64;
 }
+
+/// Where a search from crossing to crossing ends: far more than any line has,
+/// so that a shape that is met without end costs time but no more.
+const MOST_CROSSINGS: usize = 1 << 16;
 
 /// Asks the same of whichever shape it is.
 macro_rules! each {

@@ -41,7 +41,7 @@ impl Sphere {
 
     /// The normal is unit up to a square, two sums, a root and a quotient;
     /// one more rounding scales it and one adds the centre.
-    pub(super) fn error(&self) -> f64 {
+    fn error(&self) -> f64 {
         gamma(6) * self.radius + U * (self.center.abs().max_element() + self.radius)
     }
 }

@@ -11,6 +11,7 @@ use crate::{
         Instance, Shape,
         shape::{Body, Cylinder, Sphere},
     },
+    numeric::gamma,
     scene::{
         MAX_LENGTH, MIN_LENGTH,
         description::{LensShape, Number},
@@ -136,7 +137,9 @@ impl Builder<'_> {
         let reaches = |face: &Face, other: &Face, height: f64| {
             face.radius.is_none_or(|r| {
                 let far = face.vertex + r + (r - face.sag(height));
-                (far - other.at(height)) * r.signum() >= 0.0
+                // The faces of a ball are one sphere, up to rounding.
+                let rounding = gamma(16) * (r.abs() + face.vertex.abs());
+                (far - other.at(height)) * r.signum() >= -rounding
             })
         };
         let convex = [
