@@ -3,7 +3,8 @@
 use glam::DVec3;
 
 use super::{
-    Aabb, BoundingSphere, Hit, Ray, Shape, Surface, SurfaceId, SurfacePoint, Transform, bvh::Bvh,
+    Aabb, BoundingSphere, Hit, Ray, Shape, Surface, SurfaceId, SurfacePoint, Transform,
+    bvh::Bvh,
     shape::{ShapeHit, ShapePoint},
 };
 

@@ -225,7 +225,14 @@ mod tests {
     fn signs_at_the_ends_are_believed() {
         let c = with_roots(&[0.5]);
         assert_eq!(sign_changes(&c, -1.0, 1.0, [false, true]).as_slice(), [0.5]);
-        assert_eq!(sign_changes(&c, 0.6, 1.0, [false, true]).as_slice().len(), 1);
-        assert!(sign_changes(&c, 0.6, 1.0, [true, true]).as_slice().is_empty());
+        assert_eq!(
+            sign_changes(&c, 0.6, 1.0, [false, true]).as_slice().len(),
+            1
+        );
+        assert!(
+            sign_changes(&c, 0.6, 1.0, [true, true])
+                .as_slice()
+                .is_empty()
+        );
     }
 }

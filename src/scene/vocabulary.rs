@@ -27,8 +27,8 @@ pub(super) fn expectation(field: &str) -> Option<&'static str> {
         "rotate" => "`(axis: (x, y, z), degrees: ..)`, or a list of rotations",
         "degrees" => "an angle in degrees",
         "fov" => "the vertical field of view in degrees, between 0 and 180",
-        "radius" | "tube" | "height" | "width" | "top_radius" | "end_radius" | "waist" | "major"
-        | "minor" | "thickness" | "aperture" => "a number above 0",
+        "radius" | "tube" | "height" | "width" | "top_radius" | "end_radius" | "waist"
+        | "major" | "minor" | "thickness" | "aperture" => "a number above 0",
         "inner" | "outer" => "a half-angle in degrees, from 0 to 180",
         "angular_diameter" => "an angle in degrees, from 0 to below 180",
         "reflectance" => "a colour from 0 to 1: a number, `(r, g, b)` or \"#rrggbb\"",

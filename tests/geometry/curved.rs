@@ -68,14 +68,23 @@ fn check_line(
 
 /// Scales, places and distances.
 fn any_case() -> impl Strategy<Value = (u64, f64, f64, f64)> {
-    (any::<u64>(), -4.0..5.0f64, prop_oneof![Just(0.0), 0.0..1e5f64], prop_oneof![Just(2.5), Just(1e4)])
+    (
+        any::<u64>(),
+        -4.0..5.0f64,
+        prop_oneof![Just(0.0), 0.0..1e5f64],
+        prop_oneof![Just(2.5), Just(1e4)],
+    )
 }
 
 /// How far levels may be off: coordinates are rounded where the shape is, and
 /// where rays start; the coefficients of a quadric are, as the square of where
 /// it is.
 fn slack(kind: u64, size: f64, away: f64, far: f64) -> f64 {
-    let written = if kind == 5 { 1e-15 * away * away / size } else { 0.0 };
+    let written = if kind == 5 {
+        1e-15 * away * away / size
+    } else {
+        0.0
+    };
     1e-13 * (away + far * size) + 1e-9 * size + written
 }
 

@@ -62,11 +62,15 @@ pub(crate) fn known(random: &mut Random, kind: u64, at: DVec3, size: f64) -> Kno
         1 => {
             let top = random.range(0.2, 1.2) * size;
             let conic = Conic::cone(at, end, [r, top], true);
-            turned("frustum", conic, [at, end], move |z| r + (top - r) * z / length)
+            turned("frustum", conic, [at, end], move |z| {
+                r + (top - r) * z / length
+            })
         }
         2 => {
             let conic = Conic::paraboloid(at, end, r, true);
-            turned("paraboloid", conic, [at, end], move |z| r * (1.0 - z / length).sqrt())
+            turned("paraboloid", conic, [at, end], move |z| {
+                r * (1.0 - z / length).sqrt()
+            })
         }
         3 => ellipsoid(random, at, size),
         4 => cuboid(random, at, size),

@@ -140,10 +140,7 @@ fn conic(random: &mut Random, kind: u64, at: DVec3, size: f64) -> Case {
                 let radius = r + slope * z;
                 (radius * radius, radius * slope)
             }
-            7 => (
-                r * r * (long - z) / long,
-                Dd::of(-0.5) * r * r / long,
-            ),
+            7 => (r * r * (long - z) / long, Dd::of(-0.5) * r * r / long),
             _ => {
                 let k = two * two * (r * r - waist * waist) / (long * long);
                 let w = z - long / two;
@@ -168,7 +165,11 @@ fn conic(random: &mut Random, kind: u64, at: DVec3, size: f64) -> Case {
 fn ellipsoid(random: &mut Random, at: DVec3, size: f64) -> Case {
     let axes = DVec3::from_array([0; 3].map(|_| libm::exp10(random.range(-1.5, 0.0)) * size));
     let turn = DMat3::from_quat(random.rotation());
-    let columns = [turn.x_axis * axes.x, turn.y_axis * axes.y, turn.z_axis * axes.z];
+    let columns = [
+        turn.x_axis * axes.x,
+        turn.y_axis * axes.y,
+        turn.z_axis * axes.z,
+    ];
     let map = DAffine3 {
         matrix3: DMat3::from_cols(columns[0], columns[1], columns[2]),
         translation: at,
@@ -228,7 +229,11 @@ fn quadric(random: &mut Random, at: DVec3, size: f64) -> Case {
         let [x, y, z] = p;
         let c = c.map(Dd::of);
         let two = Dd::of(2.0);
-        let value = c[0] * x * x + c[1] * y * y + c[2] * z * z + c[3] * x * y + c[4] * y * z
+        let value = c[0] * x * x
+            + c[1] * y * y
+            + c[2] * z * z
+            + c[3] * x * y
+            + c[4] * y * z
             + c[5] * x * z
             + c[6] * x
             + c[7] * y

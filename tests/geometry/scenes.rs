@@ -80,7 +80,7 @@ impl Random {
 pub(crate) const KINDS: u64 = 14;
 
 /// A bounded shape of about the given size and kind (modulo [`KINDS`]), near
-/// `at`. Curvatures are at most 20 over the size.
+/// `at`.
 pub(crate) fn shape(random: &mut Random, kind: u64, at: DVec3, size: f64) -> Shape {
     let r = random.range(0.3, 1.0) * size;
     match kind % KINDS {
@@ -143,9 +143,11 @@ pub(crate) fn shape(random: &mut Random, kind: u64, at: DVec3, size: f64) -> Sha
 
 /// A frustum (6), paraboloid (7) or hyperboloid (8), open or capped.
 fn conic(random: &mut Random, kind: u64, at: DVec3, size: f64) -> Shape {
-    let end = at + random.direction() * random.range(0.4, 1.0) * size;
+    // A short hyperboloid would have a sharp waist.
+    let (shortest, widest) = if kind == 8 { (0.8, 0.8) } else { (0.4, 1.0) };
+    let end = at + random.direction() * random.range(shortest, 1.0) * size;
     let capped = random.below(2) == 0;
-    let [r, s] = [0; 2].map(|_| random.range(0.6, 1.0) * size);
+    let [r, s] = [0; 2].map(|_| random.range(0.6, widest) * size);
     Shape::Conic(match kind {
         6 => Conic::cone(at, end, [r, s], capped),
         7 => Conic::paraboloid(at, end, r, capped),

@@ -25,7 +25,10 @@ fn cuboid(min: [f64; 3], max: [f64; 3]) -> Body {
 }
 
 fn ball(center: [f64; 3], radius: f64) -> Body {
-    instance(Shape::Sphere(Sphere::new(DVec3::from_array(center), radius)))
+    instance(Shape::Sphere(Sphere::new(
+        DVec3::from_array(center),
+        radius,
+    )))
 }
 
 fn solid(body: Body) -> Shape {
@@ -34,7 +37,10 @@ fn solid(body: Body) -> Shape {
 
 /// A world of one solid, sent somewhere by a map.
 fn placed(body: Body, map: Option<DAffine3>) -> World {
-    single(solid(body), map.map(|m| Transform::new(m).expect("regular")))
+    single(
+        solid(body),
+        map.map(|m| Transform::new(m).expect("regular")),
+    )
 }
 
 /// Places and normals along a ray, one after the other, by rays that leave.
@@ -196,7 +202,11 @@ fn planes_cut() {
         assert_eq!(found[0].1, DVec3::Z * sign);
         assert_eq!(found[0].0.z, 0.25);
         let inside = DVec3::new(0.0, 0.0, 0.25 - sign * 0.5);
-        assert_eq!(passages(&world, inside, DVec3::X * 5.0).len(), 1, "from inside");
+        assert_eq!(
+            passages(&world, inside, DVec3::X * 5.0).len(),
+            1,
+            "from inside"
+        );
         // A ray within a plane parallel to the cut never crosses it.
         let level = 0.25 - sign * 0.3;
         let across = [DVec3::new(-3.0, 0.0, level), DVec3::new(3.0, 0.0, level)];
@@ -221,7 +231,9 @@ fn what_cannot_be_a_solid_is_refused() {
     assert_eq!(refused(Body::Intersection(apart)), SolidError::Empty);
     let many = (0..65).map(|_| ball([0.0; 3], 1.0)).collect();
     assert_eq!(refused(Body::Union(many)), SolidError::TooMany(65));
-    let full = (0..64).map(|i| ball([f64::from(i), 0.0, 0.0], 0.6)).collect();
+    let full = (0..64)
+        .map(|i| ball([f64::from(i), 0.0, 0.0], 0.6))
+        .collect();
     let world = placed(Body::Union(full), None);
     assert_eq!(passages(&world, DVec3::X * -5.0, DVec3::ZERO).len(), 2);
 }
@@ -238,7 +250,10 @@ fn dents_are_curved_inward() {
     let hit = world.closest(&ray, f64::INFINITY).expect("the dent");
     let point = world.surface(&ray, &hit);
     assert!(point.ng.z > 0.9, "out of the solid: {}", point.ng);
-    assert_eq!(world.turning(&hit, &point), Turning::Round { curvature: -2.0 });
+    assert_eq!(
+        world.turning(&hit, &point),
+        Turning::Round { curvature: -2.0 }
+    );
 }
 
 /// A lens in a scene of its own.
@@ -265,7 +280,10 @@ fn meets_axis(world: &World, ior: f64, height: f64) -> f64 {
         };
         ray = point.spawn(dir);
     }
-    assert!(world.closest(&ray, f64::INFINITY).is_none(), "out of the lens");
+    assert!(
+        world.closest(&ray, f64::INFINITY).is_none(),
+        "out of the lens"
+    );
     ray.origin.z - ray.origin.x / ray.dir.x * ray.dir.z
 }
 
@@ -319,8 +337,14 @@ fn lenses_focus_where_the_formula_says() {
             let half = 0.5 * aperture;
             inverse(r) * half * half / (1.0 + (1.0 - (half * inverse(r)).powi(2)).sqrt())
         };
-        let ends = [(-0.5 * t).min(-0.5 * t + rim(r1)), (0.5 * t).max(0.5 * t + rim(r2))];
-        assert!((b.min.z - ends[0]).abs() < 1e-12 && (b.max.z - ends[1]).abs() < 1e-12, "{b:?} {ends:?}");
+        let ends = [
+            (-0.5 * t).min(-0.5 * t + rim(r1)),
+            (0.5 * t).max(0.5 * t + rim(r2)),
+        ];
+        assert!(
+            (b.min.z - ends[0]).abs() < 1e-12 && (b.max.z - ends[1]).abs() < 1e-12,
+            "{b:?} {ends:?}"
+        );
     }
 }
 
@@ -363,7 +387,10 @@ fn nested_places_compose() {
         let [a, b] = [&nested, &flat].map(|w| passages(w, origin, target));
         assert_eq!(a.len(), b.len());
         for (a, b) in a.iter().zip(&b) {
-            assert!(a.0.distance(b.0) < 1e-12 && a.1.distance(b.1) < 1e-12, "{a:?} {b:?}");
+            assert!(
+                a.0.distance(b.0) < 1e-12 && a.1.distance(b.1) < 1e-12,
+                "{a:?} {b:?}"
+            );
             hits += 1;
         }
     }

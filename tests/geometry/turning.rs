@@ -81,9 +81,8 @@ fn normals_turn_as_their_derivative_says() {
         // Radii are at least 0.3 and stretches in [0.2, 3]; the corners of a
         // mesh lie up to a fifth deeper than the sphere of their normals.
         let own = match kind {
-            0..5 => 4.0,
-            5 | KINDS => 8.0,
-            _ => 20.0,
+            0..=4 | 6 | 9 | 11..KINDS => 4.0,
+            _ => 8.0,
         };
         let bend = own
             * if map.is_some() {

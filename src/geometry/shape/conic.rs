@@ -104,13 +104,7 @@ impl Conic {
     /// A hyperboloid of one sheet between two points on its axis, with a
     /// radius at each and a smallest radius `waist` between them, in metres.
     /// The waist is below at least one of the radii and above neither.
-    pub fn hyperboloid(
-        base: DVec3,
-        end: DVec3,
-        radii: [f64; 2],
-        waist: f64,
-        capped: bool,
-    ) -> Self {
+    pub fn hyperboloid(base: DVec3, end: DVec3, radii: [f64; 2], waist: f64, capped: bool) -> Self {
         let length = (end - base).length();
         let [a, b] = radii.map(|r| ((r - waist) * (r + waist)).sqrt());
         let slope = (a + b) / length;

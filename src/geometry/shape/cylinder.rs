@@ -188,8 +188,7 @@ impl Surface for Cylinder {
             if let Some(span) = slid.span(self, leaving) {
                 span.ends(slid.slide, found);
             }
-        } else if let Some((near, far)) =
-            self.side_interval(slid.o, slid.d, leaving == Some(SIDE))
+        } else if let Some((near, far)) = self.side_interval(slid.o, slid.d, leaving == Some(SIDE))
         {
             let seen = |local: &f64| (0.0..=self.length).contains(&(slid.oz + slid.dz * local));
             [near, far]

@@ -49,20 +49,20 @@ impl Quadric {
             DVec3::new(0.5 * c[5], 0.5 * c[4], c[2]),
         );
         let slope = 0.5 * DVec3::new(c[6], c[7], c[8]);
-        let moved: [f64; 3] = std::array::from_fn(|i| {
-            let row = second.row(i);
-            sum_of_products([(slope[i], 1.0), (row.x, center.x), (row.y, center.y), (row.z, center.z)])
-        });
+        // Far from the origin the terms cancel, so that all of this is summed
+        // with twice the digits.
         let [x, y, z] = center.to_array();
-        // Horner's rule in each coordinate keeps the value exact where the
-        // terms cancel.
-        let moved = DVec3::from_array(moved);
-        let constant = sum_of_products([
-            (c[9], 1.0),
-            (x, moved.x + slope.x),
-            (y, moved.y + slope.y),
-            (z, moved.z + slope.z),
-        ]);
+        let moved: [(f64, f64); 3] = std::array::from_fn(|i| {
+            let row = second.row(i);
+            sum_of_products(&[(slope[i], 1.0), (row.x, x), (row.y, y), (row.z, z)])
+        });
+        let mut terms = vec![(c[9], 1.0)];
+        for i in 0..3 {
+            let (high, low) = moved[i];
+            terms.extend([high, low, slope[i]].map(|s| (center[i], s)));
+        }
+        let (constant, _) = sum_of_products(&terms);
+        let moved = DVec3::from_array(moved.map(|(high, _)| high));
         Self {
             center,
             second,
@@ -123,17 +123,17 @@ impl Quadric {
     }
 }
 
-/// The sum of products with one rounding of the result and second-order ones
-/// of the terms (Ogita, Rump, Oishi 2005, algorithm `Dot2`).
-fn sum_of_products(terms: [(f64, f64); 4]) -> f64 {
+/// The sum of products, rounded, and what rounding has taken, to twice the
+/// digits of a float (Ogita, Rump, Oishi 2005, algorithm `Dot2`).
+fn sum_of_products(terms: &[(f64, f64)]) -> (f64, f64) {
     let (mut sum, mut rest) = (0.0, 0.0);
-    for (a, b) in terms {
+    for &(a, b) in terms {
         let (p, lost) = two_product(a, b);
         let (s, also) = two_sum(sum, p);
         sum = s;
         rest += lost + also;
     }
-    sum + rest
+    two_sum(sum, rest)
 }
 
 impl Surface for Quadric {

@@ -176,9 +176,7 @@ impl Solid {
                     uv: hit.uv,
                 });
             };
-            instance
-                .shape
-                .crossings(origin, dir, leaving, &mut found);
+            instance.shape.crossings(origin, dir, leaving, &mut found);
             inside |= u64::from(within) << index;
         }
         events.sort();

@@ -131,8 +131,7 @@ impl Torus {
     /// Where the ray is within the slab and the sphere around the torus.
     fn clip(&self, ray: &Slid) -> Option<(f64, f64)> {
         let tube = self.tube();
-        let slab =
-            Span::between_planes(ray.oz + tube, ray.dz, 2.0 * tube, [0, 1], None)?;
+        let slab = Span::between_planes(ray.oz + tube, ray.dz, 2.0 * tube, [0, 1], None)?;
         let h = ray.o.dot(ray.d) + ray.oz * ray.dz;
         let start = (ray.o.length_squared() + ray.oz * ray.oz).sqrt();
         let closest = (ray.o - ray.d * h).length_squared();

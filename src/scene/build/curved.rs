@@ -192,8 +192,7 @@ impl Builder<'_> {
         let name = ["x", "y", "z"][axis];
         let label = format!("{name} goes from {} to {}", min[axis], max[axis]);
         let help = "the first corner has the smaller coordinates, the second the larger ones";
-        self.report
-            .reject(place, "a box of no volume", label, help)
+        self.report.reject(place, "a box of no volume", label, help)
     }
 
     /// Three lengths above zero.

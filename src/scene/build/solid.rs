@@ -40,12 +40,7 @@ impl<'d> Builder<'d> {
     }
 
     /// A shape as part of a solid, sent to the solid's space by `place`.
-    fn body(
-        &mut self,
-        node: NodeId,
-        shape: &'d ShapeDescription,
-        place: DAffine3,
-    ) -> Option<Body> {
+    fn body(&mut self, node: NodeId, shape: &'d ShapeDescription, place: DAffine3) -> Option<Body> {
         match shape {
             ShapeDescription::Union(s) => self.members(node, s, place).map(Body::Union),
             ShapeDescription::Intersection(s) => {
@@ -75,12 +70,7 @@ impl<'d> Builder<'d> {
     }
 
     /// The operands in the field `of`, all of whose mistakes are found.
-    fn members(
-        &mut self,
-        node: NodeId,
-        s: &'d SolidShape,
-        place: DAffine3,
-    ) -> Option<Vec<Body>> {
+    fn members(&mut self, node: NodeId, s: &'d SolidShape, place: DAffine3) -> Option<Vec<Body>> {
         let list = self.report.field(node, "of");
         if s.of.is_empty() {
             let label = "expected at least one solid";

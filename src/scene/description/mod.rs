@@ -20,7 +20,8 @@ use serde::Deserialize;
 use super::outline::NodeId;
 
 pub use curved::{
-    BoxShape, ConeShape, EllipsoidShape, HyperboloidShape, ParaboloidShape, QuadricShape, TorusShape,
+    BoxShape, ConeShape, EllipsoidShape, HyperboloidShape, ParaboloidShape, QuadricShape,
+    TorusShape,
 };
 pub use implicit::{ImplicitShape, MethodDescription};
 pub use light::{
