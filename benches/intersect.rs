@@ -69,12 +69,7 @@ fn shape(name: &str) -> Shape {
             let face = |z| Shape::Sphere(Sphere::new(DVec3::Z * z, 1.0));
             let edge = Cylinder::new(DVec3::NEG_Z, DVec3::Z, 0.7, true);
             let parts = [Shape::Cylinder(edge), face(0.7), face(-0.7)];
-            let parts = parts.map(|shape| {
-                Body::Shape(Instance {
-                    shape,
-                    transform: None,
-                })
-            });
+            let parts = parts.map(|shape| Body::of(shape, None));
             let solid = Solid::new(Body::Intersection(parts.into()));
             Shape::Solid(Arc::new(solid.expect("bounded")))
         }

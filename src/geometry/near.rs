@@ -125,12 +125,7 @@ mod tests {
         };
         let cuboid = Shape::Cuboid(Cuboid::new(block));
         let parts = [cuboid.clone(), Shape::Sphere(Sphere::new(DVec3::X, 0.9))];
-        let parts = parts.map(|shape| {
-            Body::Shape(Instance {
-                shape,
-                transform: None,
-            })
-        });
+        let parts = parts.map(|shape| Body::of(shape, None));
         let solid = Solid::new(Body::Difference(parts.into())).expect("bounded");
         vec![
             Shape::Plane(Plane::new(DVec3::ZERO, DVec3::new(0.3, 0.2, 1.0))),

@@ -3,7 +3,7 @@
 
 use glam::{DMat3, DVec3};
 use nephroid::geometry::{
-    Aabb, Instance, Shape,
+    Aabb, Shape,
     shape::{Body, Conic, Cuboid, Cylinder, Ellipsoid, Quadric, Solid, Sphere, Torus},
 };
 use std::sync::Arc;
@@ -100,10 +100,7 @@ pub(crate) fn known(random: &mut Random, kind: u64, at: DVec3, size: f64) -> Kno
 }
 
 pub(crate) fn instance(shape: Shape) -> Body {
-    Body::Shape(Instance {
-        shape,
-        transform: None,
-    })
+    Body::of(shape, None)
 }
 
 fn ellipsoid(random: &mut Random, at: DVec3, size: f64) -> Known {

@@ -127,12 +127,7 @@ pub(crate) fn shape(random: &mut Random, kind: u64, at: DVec3, size: f64) -> Sha
                     true,
                 )),
             ];
-            let parts = parts.map(|shape| {
-                Body::Shape(Instance {
-                    shape,
-                    transform: None,
-                })
-            });
+            let parts = parts.map(|shape| Body::of(shape, None));
             Shape::Solid(Arc::new(
                 Solid::new(Body::Difference(parts.into())).expect("bounded"),
             ))

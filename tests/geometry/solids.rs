@@ -5,7 +5,7 @@ use std::sync::Arc;
 use glam::{DAffine3, DVec3};
 use nephroid::{
     geometry::{
-        Aabb, Instance, Ray, Shape, Transform, Turning, World,
+        Aabb, Ray, Shape, Transform, Turning, World,
         shape::{Body, Cuboid, Plane, Solid, SolidError, Sphere},
     },
     scene,
@@ -161,12 +161,7 @@ fn nothing_minus_nothing() {
     for map in maps() {
         let third = 1.0 / 3.0;
         let turn = Transform::new(DAffine3::from_quat(random.rotation()));
-        let turned = |shape| {
-            Body::Shape(Instance {
-                shape,
-                transform: turn,
-            })
-        };
+        let turned = |shape| Body::of(shape, turn);
         // The same ball, once turned: its centre rounds otherwise.
         let body = Body::Difference(vec![
             ball([0.0; 3], third),

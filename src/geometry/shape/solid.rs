@@ -36,13 +36,20 @@ const MAX_PARTS: usize = 1 << PART_BITS;
 pub enum Body {
     /// A closed shape, or an unbounded one that parts space in two: a plane,
     /// whose inside is behind its normal, or a quadric that is not cut.
-    Shape(Instance),
+    Shape(Box<Instance>),
     /// What is in any of them.
     Union(Vec<Body>),
     /// What is in all of them.
     Intersection(Vec<Body>),
     /// What is in the first and in none of the others.
     Difference(Vec<Body>),
+}
+
+impl Body {
+    /// A shape, sent to the solid's space by a map.
+    pub fn of(shape: Shape, transform: Option<Transform>) -> Self {
+        Self::Shape(Box::new(Instance { shape, transform }))
+    }
 }
 
 /// Why there is no solid.
@@ -290,7 +297,7 @@ fn collect(body: Body, subtracted: bool, operands: &mut Vec<Operand>) -> (Node, 
             let extent = instance.bounds();
             let node = Node::Operand(1u64.checked_shl(operands.len() as u32).unwrap_or(0));
             operands.push(Operand {
-                instance,
+                instance: *instance,
                 subtracted,
             });
             (node, extent)

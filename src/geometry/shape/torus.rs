@@ -104,7 +104,7 @@ impl Torus {
         let rho = ray.o.length();
         let (g, e) = (ray.o.dot(ray.d) + ray.oz * ray.dz, ray.o.dot(ray.d));
         let f = ray.d.length_squared();
-        let found = if leaving {
+        if leaving {
             // On the surface |x|^2 + 1 - tube^2 is twice rho; the rest of the
             // linear term is the product of normal and direction.
             let outward = (rho - 1.0) * e + rho * ray.oz * ray.dz;
@@ -124,8 +124,7 @@ impl Torus {
             // Where the ray is cut it is outside, elsewhere it starts.
             let outside = start > begin || self.height(ray, start).0 > 0.0;
             sign_changes(&c, start, exit, [outside, true])
-        };
-        found
+        }
     }
 
     /// Where the ray is within the slab and the sphere around the torus.

@@ -8,7 +8,7 @@ use glam::DVec3;
 use super::Builder;
 use crate::{
     geometry::{
-        Instance, Shape,
+        Shape,
         shape::{Body, Cylinder, Sphere},
     },
     numeric::gamma,
@@ -193,8 +193,5 @@ fn body(faces: &[Face; 2], thickness: f64, half_aperture: f64) -> Body {
 }
 
 fn shape(shape: Shape) -> Body {
-    Body::Shape(Instance {
-        shape,
-        transform: None,
-    })
+    Body::of(shape, None)
 }

@@ -7,7 +7,7 @@ use glam::DAffine3;
 use super::Builder;
 use crate::{
     geometry::{
-        Instance, Shape, Surface,
+        Shape, Surface,
         shape::{Body, Cuboid, Solid, SolidError},
     },
     scene::{
@@ -108,7 +108,7 @@ impl<'d> Builder<'d> {
 
     fn placed(&mut self, node: NodeId, shape: Shape, place: DAffine3) -> Option<Body> {
         let transform = self.regular(node, place).ok()?;
-        Some(Body::Shape(Instance { shape, transform }))
+        Some(Body::of(shape, transform))
     }
 
     /// A body whose shapes stand where they were made, sent elsewhere.
@@ -119,7 +119,7 @@ impl<'d> Builder<'d> {
                 .collect()
         };
         Some(match body {
-            Body::Shape(Instance { shape, .. }) => return self.placed(node, shape, place),
+            Body::Shape(instance) => return self.placed(node, instance.shape, place),
             Body::Union(list) => Body::Union(all(list)?),
             Body::Intersection(list) => Body::Intersection(all(list)?),
             Body::Difference(list) => Body::Difference(all(list)?),
