@@ -264,7 +264,11 @@ fn lens(fields: &str) -> World {
 
 /// Where a ray along +z at a height above the axis meets it again.
 fn meets_axis(world: &World, ior: f64, height: f64) -> f64 {
-    let glass = nephroid::material::Material::Dielectric { ior, thin: false };
+    let glass = nephroid::material::Material::Dielectric {
+        ior,
+        priority: None,
+        thin: false,
+    };
     let mut ray = Ray::new(DVec3::new(height, 0.0, -5.0), DVec3::Z);
     for _ in 0..2 {
         let hit = world.closest(&ray, f64::INFINITY).expect("a face");

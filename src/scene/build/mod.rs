@@ -4,8 +4,8 @@
 mod camera;
 mod checks;
 mod curved;
-mod lens;
 mod implicit;
+mod lens;
 mod light;
 mod material;
 mod mesh;

@@ -3,8 +3,8 @@
 use serde::Deserialize;
 
 use super::{
-    BoxShape, ConeShape, EllipsoidShape, HyperboloidShape, ImplicitShape, LensShape, MeshFields, Number, Pair,
-    ParaboloidShape, QuadricShape, SolidShape, TorusKnot, TorusShape, Triple, Waves,
+    BoxShape, ConeShape, EllipsoidShape, HyperboloidShape, ImplicitShape, LensShape, MeshFields,
+    Number, Pair, ParaboloidShape, QuadricShape, SolidShape, TorusKnot, TorusShape, Triple, Waves,
 };
 
 /// What an object's `shape` field says.
