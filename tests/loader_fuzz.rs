@@ -69,6 +69,83 @@ fn ply(format: &str) -> Vec<u8> {
     bytes
 }
 
+const STL: &str = "solid a b\n facet normal 0 0 1\n  outer loop\n   vertex 0 0 0\n   vertex 1 0 0\n   \
+    vertex 0 1 0\n  endloop\n endfacet\nendsolid a b\n";
+
+fn binary_stl() -> Vec<u8> {
+    let mut bytes = vec![b' '; 80];
+    bytes.extend(1u32.to_le_bytes());
+    let numbers = [
+        0.0f32, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0,
+    ];
+    bytes.extend(numbers.iter().flat_map(|x| x.to_le_bytes()));
+    bytes.extend([0; 2]);
+    bytes
+}
+
+/// A triangle with normals: 36 bytes of corners, 3 of indices and one to
+/// spare, 36 of normals, in the buffer with the given start of its entry.
+fn gltf(buffer: &str) -> String {
+    format!(
+        r#"{{"asset": {{"version": "2.0"}}, "scene": 0, "scenes": [{{"nodes": [1]}}],
+"nodes": [{{"mesh": 0, "name": "leaf", "scale": [1, -2, 1]}},
+          {{"children": [0], "rotation": [0, 0.6, 0, 0.8], "translation": [1, 2, 3]}}],
+"meshes": [{{"name": "m", "primitives": [
+    {{"attributes": {{"POSITION": 0, "NORMAL": 2}}, "indices": 1, "material": 0}},
+    {{"attributes": {{"POSITION": 0}}, "mode": 5}}]}}],
+"materials": [{{"name": "red"}}],
+"accessors": [{{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3"}},
+    {{"bufferView": 1, "componentType": 5121, "count": 3, "type": "SCALAR"}},
+    {{"bufferView": 2, "byteOffset": 0, "componentType": 5126, "count": 3, "type": "VEC3"}}],
+"bufferViews": [{{"buffer": 0, "byteLength": 36}},
+    {{"buffer": 0, "byteOffset": 36, "byteLength": 4}},
+    {{"buffer": 0, "byteOffset": 40, "byteLength": 36, "byteStride": 12}}],
+"buffers": [{{{buffer}"byteLength": 76}}]}}"#
+    )
+}
+
+/// The bytes of that buffer.
+fn gltf_data() -> Vec<u8> {
+    let corners = [0.0f32, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0];
+    let normals = [[0.0f32, 0.0, 1.0]; 3];
+    let mut bytes: Vec<u8> = corners.iter().flat_map(|x| x.to_le_bytes()).collect();
+    bytes.extend([0, 1, 2, 0]);
+    bytes.extend(normals.iter().flatten().flat_map(|x| x.to_le_bytes()));
+    bytes
+}
+
+/// The same with its data in the text: zeros but for the x and y axes, so
+/// that they can be written by hand.
+fn gltf_text() -> String {
+    // In base64 a group of 4 digits is 3 bytes; 1.0 is 00 00 80 3f.
+    let corners = format!(
+        "{}AAAAgD8{}AAgD8{}",
+        "A".repeat(14),
+        "A".repeat(14),
+        "A".repeat(5)
+    );
+    let data: String = corners
+        .chars()
+        .chain("A".repeat(104).chars())
+        .take(104)
+        .collect();
+    gltf(&format!("\"uri\": \"data:;base64,{data}\", "))
+}
+
+fn glb() -> Vec<u8> {
+    let mut json = gltf("").into_bytes();
+    json.resize(json.len().next_multiple_of(4), b' ');
+    let data = gltf_data();
+    let mut bytes = b"glTF\x02\0\0\0".to_vec();
+    bytes.extend((28 + json.len() as u32 + data.len() as u32).to_le_bytes());
+    for (name, chunk) in [(b"JSON", &json), (b"BIN\0", &data)] {
+        bytes.extend((chunk.len() as u32).to_le_bytes());
+        bytes.extend(name);
+        bytes.extend(chunk);
+    }
+    bytes
+}
+
 /// Loads a text; whatever is wrong must have a place within it.
 fn throw(text: &str) {
     let Err(found) = load_str(text, "fuzz.ron", Path::new("/nonexistent")) else {
@@ -160,6 +237,24 @@ fn edits() -> impl Strategy<Value = Vec<Edit>> {
     vec(edit, 1..4)
 }
 
+/// Numbers that look for trouble.
+fn number() -> impl Strategy<Value = String> {
+    let hard = [
+        "0",
+        "-1",
+        "1e308",
+        "4294967295",
+        "18446744073709551615",
+        "0.5",
+        "null",
+        "5125",
+    ];
+    prop_oneof![
+        prop::sample::select(hard.to_vec()).prop_map(str::to_owned),
+        (0..80u32).prop_map(|n| n.to_string()),
+    ]
+}
+
 fn apply(mut bytes: Vec<u8>, edits: &[Edit]) -> Vec<u8> {
     for edit in edits {
         let len = bytes.len() + 1;
@@ -199,6 +294,16 @@ fn the_unchanged_inputs_are_good() {
         let mesh = mesh_file::parse("a.ply", &ply(format)).expect("good");
         assert_eq!(mesh.triangles, [[0, 1, 2]], "{format}");
     }
+    for (name, bytes, triangles) in [
+        ("a.stl", STL.as_bytes(), 1),
+        ("a.stl", &binary_stl(), 1),
+        ("a.glb", &glb(), 2),
+        ("a.gltf", gltf_text().as_bytes(), 2),
+    ] {
+        let mesh = mesh_file::parse(name, bytes).unwrap_or_else(|e| panic!("{}", e.render(false)));
+        assert_eq!(mesh.triangles.len(), triangles, "{name}");
+        throw_mesh(name, bytes);
+    }
 }
 
 proptest! {
@@ -209,6 +314,11 @@ proptest! {
         throw(&String::from_utf8_lossy(&bytes));
         throw_mesh("a.obj", &bytes);
         throw_mesh("a.ply", &bytes);
+        throw_mesh("a.stl", &bytes);
+        throw_mesh("a.gltf", &bytes);
+        throw_mesh("a.glb", &bytes);
+        let glb = [b"glTF\x02\0\0\0\xff\0\0\0".as_slice(), &bytes].concat();
+        throw_mesh("a.glb", &glb);
     }
 
     #[test]
@@ -238,6 +348,38 @@ proptest! {
             throw_mesh("a.ply", &bytes);
         }
         throw_mesh("a.obj", &apply(OBJ.as_bytes().to_vec(), &edits));
+        throw_mesh("a.gltf", &apply(gltf_text().into_bytes(), &edits));
+        throw_mesh("a.stl", &apply(STL.as_bytes().to_vec(), &edits));
+        for (name, bytes) in [("a.stl", binary_stl()), ("a.glb", glb())] {
+            let mut bytes = bytes;
+            for (i, value) in &flips {
+                let i = i.index(bytes.len());
+                bytes[i] = *value;
+            }
+            throw_mesh(name, &bytes);
+            throw_mesh(name, &apply(bytes, &edits));
+        }
+    }
+
+    /// Numbers in place of numbers: what the lists of a glTF file say about
+    /// each other.
+    #[test]
+    fn gltf_with_other_numbers(places in vec((any::<Index>(), number()), 1..5)) {
+        let text = gltf_text();
+        let is_digit = |i: usize| text.as_bytes()[i].is_ascii_digit();
+        let starts: Vec<usize> = (1..text.find("base64").unwrap())
+            .filter(|&i| is_digit(i) && !is_digit(i - 1))
+            .collect();
+        let mut chosen: Vec<(usize, &String)> =
+            places.iter().map(|(i, n)| (starts[i.index(starts.len())], n)).collect();
+        chosen.sort();
+        chosen.dedup_by_key(|c| c.0);
+        let mut changed = text.clone();
+        for (start, number) in chosen.into_iter().rev() {
+            let end = start + text[start..].find(|c: char| !c.is_ascii_digit()).unwrap();
+            changed.replace_range(start..end, number);
+        }
+        throw_mesh("a.gltf", changed.as_bytes());
     }
 
     /// Parents hold their children, children stand in order, and no value is
@@ -298,6 +440,28 @@ fn long_broken_scenes_take_linear_work() {
     }
     throw_mesh("a.obj", repeat("f 1 2 3\n").as_bytes());
     throw_mesh("a.obj", repeat("v 0 0 0 \\\n").as_bytes());
+    throw_mesh(
+        "a.obj",
+        repeat("v 0 0 0\nusemtl a\nf 1 1 1\ng b\nf 1 1 1\n").as_bytes(),
+    );
+    throw_mesh(
+        "a.stl",
+        format!("solid\n{}", repeat("facet normal\nouter loop\n")).as_bytes(),
+    );
+    throw_mesh("a.gltf", repeat("[").as_bytes());
+    throw_mesh(
+        "a.gltf",
+        format!("{{\"asset\": {}", repeat("{\"a\":")).as_bytes(),
+    );
+    let gltf = |list: &str, part: &str| {
+        format!(
+            "{{\"asset\": {{\"version\": \"2.0\"}}, \"{list}\": [{}{{}}]}}",
+            repeat(part)
+        )
+    };
+    throw_mesh("a.gltf", gltf("nodes", "{\"children\": [1]},").as_bytes());
+    throw_mesh("a.gltf", gltf("nodes", "{\"mesh\": 0},").as_bytes());
+    throw_mesh("a.gltf", gltf("accessors", "{},").as_bytes());
     throw_mesh(
         "a.ply",
         format!("ply\nformat ascii 1.0\n{}", repeat("element a 1\n")).as_bytes(),

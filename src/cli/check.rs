@@ -1,18 +1,19 @@
 //! `nephroid check`: reads a scene as `render` would and says what it found.
 
 use nephroid::{
+    geometry::mesh::Edges,
     render::Job,
-    scene::{self, Diagnostic, Diagnostics, Place, Summary},
+    scene::{Diagnostic, Diagnostics, MeshSummary, Place, Summary},
 };
 use serde_json::{Value, json};
 
-use super::{Exit, Failure, args::CheckArgs, deliver, media::Media, tell};
+use super::{Exit, Failure, args::CheckArgs, deliver, media::Media, progress, tell};
 
 /// Checks the scene. The verdict goes to standard output; mistakes, unless
 /// asked for as JSON, to standard error.
 pub(super) fn run(typed: &CheckArgs) -> Result<Exit, Failure> {
     let name = typed.scene.display().to_string();
-    match scene::load(&typed.scene) {
+    match progress::load(&typed.scene, typed.json) {
         Ok(scene) => {
             Job::of(&scene).check().map_err(Failure::bad_input)?;
             let summary = Summary::of(&scene);
@@ -49,9 +50,32 @@ fn in_order(scene: &str, summary: &Summary, media: &Media, passes: u32) -> Value
         "objects": summary.objects,
         "casters": summary.casters,
         "triangles": summary.triangles,
+        "meshes": summary.meshes.iter().map(mesh).collect::<Vec<_>>(),
         "lights": summary.light_count(),
         "media": media.inside,
         "warnings": media.warnings,
+    })
+}
+
+fn mesh(found: &MeshSummary) -> Value {
+    let edges = |edges: &Edges| {
+        let first = edges.first.map(|ends| ends.map(|p| p.to_array()));
+        json!({"count": edges.count, "first": first})
+    };
+    json!({
+        "name": found.name,
+        "places": found.places,
+        "vertices": found.vertices,
+        "triangles": found.triangles,
+        "smooth": found.is_smooth,
+        "closed": found.volume.is_some(),
+        "volume": found.volume,
+        "open_edges": edges(&found.defects.open),
+        "twisted_edges": edges(&found.defects.twisted),
+        "crowded_edges": edges(&found.defects.crowded),
+        "doubled_faces": found.defects.doubled,
+        "dropped_faces": found.dropped,
+        "disagreeing_normals": found.disagreeing,
     })
 }
 

@@ -2,18 +2,63 @@
 
 use std::{
     io::{self, IsTerminal},
+    path::Path,
     time::Duration,
 };
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
-use nephroid::render::Progress;
+use nephroid::{
+    render::Progress,
+    scene::{self, Diagnostics, Scene, mesh_file::Loading},
+};
 
 /// Steps of the bar: finer than any terminal is wide.
 const STEPS: u64 = 1000;
 
 /// Least time between two plain lines.
 const LINE_EVERY: Duration = Duration::from_secs(5);
+
+/// Smallest mesh file with a progress line, in bytes: it takes about a second.
+const LARGE_FILE: usize = 64 << 20;
+/// Smallest mesh whose building is told of, in triangles.
+const LARGE_MESH: usize = 1 << 20;
+
+/// Loads a scene, with a progress line for large mesh files where a person
+/// looks on.
+pub(crate) fn load(path: &Path, quiet: bool) -> Result<Scene, Diagnostics> {
+    if quiet || !io::stderr().is_terminal() {
+        return scene::load(path);
+    }
+    // The bar stays invisible until it is first told something.
+    let bar = ProgressBar::with_draw_target(Some(STEPS), ProgressDrawTarget::stderr());
+    let style = ProgressStyle::with_template("{wide_bar} {msg}");
+    bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
+    let scene = scene::load_watched(path, &|at| {
+        if let Some((done, text)) = loading_line(at) {
+            bar.set_position((done * STEPS as f64) as u64);
+            bar.set_message(text);
+        }
+    });
+    bar.finish_and_clear();
+    scene
+}
+
+/// The part that is done and what to say; nothing for what is small.
+fn loading_line(at: Loading) -> Option<(f64, String)> {
+    match at {
+        Loading::Reading { file, done, total } if total >= LARGE_FILE => {
+            let (mib, all) = (done >> 20, total >> 20);
+            let text = format!("{file}: {mib} of {all} MiB");
+            Some((done as f64 / total as f64, text))
+        }
+        Loading::Building { triangles } if triangles >= LARGE_MESH => {
+            let text = format!("building a tree over {}triangles", si(triangles as f64));
+            Some((1.0, text))
+        }
+        _ => None,
+    }
+}
 
 /// Shows how far a render is.
 pub(crate) enum Reporter {
@@ -189,6 +234,27 @@ mod tests {
         assert_eq!(fraction(&at(16, 0, 20), goal(Some(64), Some(40))), 0.5);
         assert_eq!(fraction(&at(48, 0, 20), goal(Some(64), Some(40))), 0.75);
         assert_eq!(fraction(&at(48, 0, 90), goal(None, Some(40))), 1.0);
+    }
+
+    #[test]
+    fn only_large_files_are_told_of() {
+        let reading = |done, total| Loading::Reading {
+            file: "a.ply",
+            done,
+            total,
+        };
+        assert_eq!(loading_line(reading(5, 10)), None);
+        assert_eq!(
+            loading_line(reading(32 << 20, 128 << 20)),
+            Some((0.25, "a.ply: 32 of 128 MiB".to_owned()))
+        );
+        assert_eq!(loading_line(Loading::Building { triangles: 99 }), None);
+        let text = loading_line(Loading::Building {
+            triangles: 2_500_000,
+        })
+        .unwrap()
+        .1;
+        assert_eq!(text, "building a tree over 2.50 M triangles");
     }
 
     #[test]

@@ -8,7 +8,7 @@ use std::{fs, ops::ControlFlow, path::Path, time::Duration};
 use nephroid::{
     film::{self, OutputError, Provenance, Window, atomic},
     render::{self, Job, Outcome, Progress},
-    scene::{self, Scene},
+    scene::Scene,
 };
 
 use super::{
@@ -17,7 +17,7 @@ use super::{
     deliver,
     interrupt::Interrupt,
     media::Media,
-    progress::{Goal, Reporter},
+    progress::{self, Goal, Reporter},
     tell,
     values::{Crop, Format, Output, default_outputs},
 };
@@ -40,18 +40,20 @@ pub(super) fn run(typed: &RenderArgs) -> Result<Exit, Failure> {
         _ => Json::File(path),
     });
     probe(&outputs, json.as_ref())?;
-    let scene = scene::load(&typed.scene).map_err(|mistakes| Failure::scene(&mistakes))?;
-    let job = job(typed, &scene)?;
-    if !typed.quiet {
-        for warning in Media::of(&scene).warnings {
-            tell(format_args!("warning: {warning}"));
-        }
-    }
+    // Before the scene: its meshes are read in parallel.
     if let Some(threads) = typed.threads {
         rayon::ThreadPoolBuilder::new()
             .num_threads(threads.into())
             .build_global()
             .map_err(|e| Failure::fault(format!("cannot start {threads} threads: {e}")))?;
+    }
+    let scene =
+        progress::load(&typed.scene, typed.quiet).map_err(|mistakes| Failure::scene(&mistakes))?;
+    let job = job(typed, &scene)?;
+    if !typed.quiet {
+        for warning in Media::of(&scene).warnings {
+            tell(format_args!("warning: {warning}"));
+        }
     }
     let interrupt = Interrupt::listen();
     let (outcome, last) = render(typed, &scene, &job, &interrupt);

@@ -1,8 +1,11 @@
 //! Triangle meshes.
 
 mod check;
+pub mod crease;
+mod defects;
 #[cfg(test)]
 mod tests;
+pub mod weld;
 
 use glam::DVec3;
 
@@ -17,9 +20,10 @@ use super::{
 };
 use crate::numeric::gamma;
 
-use self::check::{check, is_closed};
-
-pub use self::check::MeshError;
+pub use self::{
+    check::{MeshError, validate},
+    defects::{Defects, Edges},
+};
 
 /// Triangles with shared vertices, and a tree over them.
 ///
@@ -34,7 +38,7 @@ pub struct TriangleMesh {
     bvh: Bvh,
     bounds: Aabb,
     sphere: BoundingSphere,
-    closed: bool,
+    defects: Defects,
     dropped: usize,
     disagreeing: usize,
 }
@@ -56,8 +60,8 @@ impl TriangleMesh {
         normals: Option<Vec<DVec3>>,
         mut triangles: Vec<[u32; 3]>,
     ) -> Result<Self, MeshError> {
-        check(&positions, normals.as_deref(), &triangles)?;
-        let closed = is_closed(&positions, &triangles);
+        validate(&positions, normals.as_deref(), &triangles)?;
+        let defects = Defects::of(&positions, &triangles);
         let count = triangles.len();
         triangles.retain(|t| triangle_normal(&t.map(|i| positions[i as usize])).is_some());
         if triangles.is_empty() {
@@ -76,7 +80,7 @@ impl TriangleMesh {
                 center: DVec3::ZERO,
                 radius: 0.0,
             },
-            closed,
+            defects,
             dropped,
             disagreeing: 0,
         };
@@ -142,6 +146,16 @@ impl TriangleMesh {
     /// How many triangles there are, those of zero area left out.
     pub fn triangle_count(&self) -> usize {
         self.triangles.len()
+    }
+
+    /// How many vertices there are, those left out that no triangle uses.
+    pub fn vertex_count(&self) -> usize {
+        self.positions.len()
+    }
+
+    /// How the triangles, those of zero area included, fail to join.
+    pub fn defects(&self) -> &Defects {
+        &self.defects
     }
 
     /// How many triangles of zero area were dropped.
@@ -338,7 +352,7 @@ impl Surface for TriangleMesh {
     /// True if every edge belongs to exactly two triangles that run through
     /// it in opposite directions; vertices at the same place count as one.
     fn is_closed(&self) -> bool {
-        self.closed
+        self.defects.is_closed()
     }
 
     /// By the boxes of a few neighbouring triangles; infinite if none is

@@ -6,7 +6,7 @@ use glam::DVec3;
 
 use super::{
     description::{TorusKnot, Waves},
-    mesh_file::MeshData,
+    mesh_file::{MeshData, Names},
 };
 use crate::numeric::trig::sin_cos;
 
@@ -46,6 +46,7 @@ pub(super) fn waves(waves: &Waves) -> MeshData {
         vertices,
         normals: Some(normals),
         triangles: grid_triangles([nx, ny], [false; 2]),
+        names: Names::default(),
     }
 }
 
@@ -93,6 +94,7 @@ pub(super) fn torus_knot(knot: &TorusKnot) -> MeshData {
         vertices,
         normals: Some(normals),
         triangles,
+        names: Names::default(),
     }
 }
 

@@ -11,6 +11,7 @@ use super::{
     decode::{options, suggest},
     description::{Description, MaterialChoice, MeshSource, ObjectDescription, Part},
     diagnostics::{Diagnostic, Diagnostics},
+    mesh_file::Watch,
     outline::{Kind, NodeId, Outline},
     report::Report,
     source::Source,
@@ -25,10 +26,18 @@ pub const MAX_SCENE_BYTES: u64 = 64 << 20;
 /// # Errors
 /// Every mistake found in the file and the files it names.
 pub fn load(path: &Path) -> Result<Scene, Diagnostics> {
+    load_watched(path, &|_| {})
+}
+
+/// [`load`], telling `watch` how far it is.
+///
+/// # Errors
+/// Every mistake found in the file and the files it names.
+pub fn load_watched(path: &Path, watch: Watch) -> Result<Scene, Diagnostics> {
     let name = path.display().to_string();
     let text = read_text(path).map_err(|message| Diagnostic::of_file(&name, message))?;
     let base = path.parent().unwrap_or(Path::new(""));
-    load_str(&text, &name, base)
+    from_text(&text, &name, base, watch)
 }
 
 /// Builds a scene from text. `file_name` appears in messages; paths of meshes
@@ -37,6 +46,15 @@ pub fn load(path: &Path) -> Result<Scene, Diagnostics> {
 /// # Errors
 /// Every mistake found in the text and the files it names.
 pub fn load_str(text: &str, file_name: &str, base_dir: &Path) -> Result<Scene, Diagnostics> {
+    from_text(text, file_name, base_dir, &|_| {})
+}
+
+fn from_text(
+    text: &str,
+    file_name: &str,
+    base_dir: &Path,
+    watch: Watch,
+) -> Result<Scene, Diagnostics> {
     if text.len() as u64 > MAX_SCENE_BYTES {
         return Err(Diagnostic::of_file(file_name, too_large()).into());
     }
@@ -50,7 +68,7 @@ pub fn load_str(text: &str, file_name: &str, base_dir: &Path) -> Result<Scene, D
     })?;
     let mut report = Report::new(source, outline);
     let description = read_description(&mut report);
-    let scene = build::build(&description, base_dir, &mut report);
+    let scene = build::build(&description, base_dir, watch, &mut report);
     let mut diagnostics = report.diagnostics;
     match scene {
         Some(scene) if diagnostics.is_empty() => Ok(scene),
@@ -296,6 +314,7 @@ fn read_object(report: &mut Report, node: NodeId) -> ObjectDescription {
         name: None,
         shape: None,
         material: None,
+        materials: None,
         at: None,
         open: false,
     };
@@ -309,11 +328,17 @@ fn read_object(report: &mut Report, node: NodeId) -> ObjectDescription {
         report.push(diagnostic);
         return object;
     }
-    let known = ["name", "shape", "material", "at", "open"];
-    let [name, shape, material, at, open] = fields(report, node, known, &["shape", "material"]);
+    let known = ["name", "shape", "material", "materials", "at", "open"];
+    let has_parts = report.outline.field(report.text(), node, "materials");
+    let required: &[&str] = match has_parts {
+        Some(_) => &["shape"],
+        None => &["shape", "material"],
+    };
+    let [name, shape, material, materials, at, open] = fields(report, node, known, required);
     object.name = name.and_then(|n| report.decode(n));
     object.shape = shape.and_then(|n| part(report, n));
     object.material = material.and_then(|n| read_material(report, n));
+    object.materials = materials.map(|n| read_part_materials(report, n));
     object.at = at.map(|n| read_placement(report, n));
     object.open = open.and_then(|n| report.decode(n)).unwrap_or(false);
     object
@@ -326,6 +351,25 @@ fn read_material(report: &mut Report, node: NodeId) -> Option<Part<MaterialChoic
         MaterialChoice::Inline(report.decode(node)?)
     };
     Some(Part { node, value })
+}
+
+/// The materials of a mesh's parts, by name.
+fn read_part_materials(
+    report: &mut Report,
+    node: NodeId,
+) -> Part<Vec<(String, Part<Option<MaterialChoice>>)>> {
+    let mut value = Vec::new();
+    for (name, node) in entries(report, Some(node)) {
+        let choice = read_material(report, node).map(|part| part.value);
+        value.push((
+            name,
+            Part {
+                node,
+                value: choice,
+            },
+        ));
+    }
+    Part { node, value }
 }
 
 /// The steps of `at`: one, or a list.

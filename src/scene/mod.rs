@@ -8,7 +8,7 @@
 //! fail.
 //!
 //! Limits: lengths lie between 1e-12 and 1e12 metres, scene files have at
-//! most 64 MiB and four million values, mesh files at most 2 GiB, generated
+//! most 64 MiB and four million values, mesh files at most 8 GiB, generated
 //! meshes at most 50 million triangles in a scene, images 2^28 pixels.
 
 mod build;
@@ -19,6 +19,7 @@ pub mod generate;
 mod literal;
 mod load;
 pub mod mesh_file;
+mod mesh_words;
 pub mod outline;
 mod report;
 #[allow(
@@ -33,10 +34,10 @@ mod summary;
 mod vocabulary;
 
 pub use diagnostics::{Diagnostic, Diagnostics, Place};
-pub use load::{MAX_SCENE_BYTES, load, load_str};
+pub use load::{MAX_SCENE_BYTES, load, load_str, load_watched};
 pub use scene::{NamedLight, Object, Scene};
 pub use settings::Settings;
-pub use summary::Summary;
+pub use summary::{MeshSummary, Summary};
 
 /// Largest length and coordinate in a scene, in metres: far enough for a sun,
 /// near enough that squares and the boxes of the tree don't overflow.

@@ -1,10 +1,11 @@
-//! What can be wrong with a mesh, and whether it is closed.
-
-use std::collections::HashMap;
+//! What makes a mesh impossible.
 
 use glam::DVec3;
 
 use crate::geometry::bvh::MAX_PRIMITIVES;
+
+/// Most vertices of a mesh.
+const MAX_VERTICES: usize = 1 << 31;
 
 /// What is wrong with a mesh; indices count from 0.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -15,6 +16,9 @@ pub enum MeshError {
     /// More triangles than the acceleration structure can address.
     #[error("the mesh has {0} triangles, more than {MAX_PRIMITIVES}")]
     TooLarge(usize),
+    /// More vertices than edges can name.
+    #[error("the mesh has {0} vertices, more than {MAX_VERTICES}")]
+    TooManyVertices(usize),
     /// A triangle names a vertex that does not exist.
     #[error("triangle {triangle} uses vertex {index}, but there are only {vertices}")]
     IndexOutOfRange {
@@ -44,7 +48,11 @@ pub enum MeshError {
     AllDegenerate(usize),
 }
 
-pub(super) fn check(
+/// Checks that numbers are finite and indices exist.
+///
+/// # Errors
+/// The first defect found.
+pub fn validate(
     positions: &[DVec3],
     normals: Option<&[DVec3]>,
     triangles: &[[u32; 3]],
@@ -55,6 +63,9 @@ pub(super) fn check(
     }
     if triangles.len() > MAX_PRIMITIVES {
         return Err(MeshError::TooLarge(triangles.len()));
+    }
+    if vertices > MAX_VERTICES {
+        return Err(MeshError::TooManyVertices(vertices));
     }
     if let Some(i) = positions.iter().position(|p| !p.is_finite()) {
         return Err(MeshError::NonFinitePosition(i));
@@ -80,36 +91,4 @@ pub(super) fn check(
         }
     }
     Ok(())
-}
-
-/// See [`TriangleMesh::is_closed`](super::TriangleMesh::is_closed). Triangles with two corners at the same
-/// place have no inside edge to offer and are left out.
-pub(super) fn is_closed(positions: &[DVec3], triangles: &[[u32; 3]]) -> bool {
-    let mut first_at = HashMap::with_capacity(positions.len());
-    let welded: Vec<u32> = positions
-        .iter()
-        .enumerate()
-        .map(|(i, p)| {
-            // Adding zero makes -0 and 0 the same place.
-            let place = (*p + DVec3::ZERO).to_array().map(f64::to_bits);
-            *first_at.entry(place).or_insert(i as u32)
-        })
-        .collect();
-    let mut edges = Vec::with_capacity(3 * triangles.len());
-    for t in triangles {
-        let [a, b, c] = t.map(|i| welded[i as usize]);
-        if a != b && b != c && c != a {
-            // Key of the undirected edge, then its direction.
-            edges.extend([(a, b), (b, c), (c, a)].map(|(i, j)| (i.min(j), i.max(j), i < j)));
-        }
-    }
-    edges.sort_unstable();
-    edges.chunks(2).all(|pair| {
-        let [(a, b, first), (c, d, second)] = pair else {
-            return false;
-        };
-        (a, b) == (c, d) && first != second
-    }) && edges
-        .windows(3)
-        .all(|w| (w[0].0, w[0].1) != (w[2].0, w[2].1))
 }

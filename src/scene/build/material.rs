@@ -123,13 +123,22 @@ impl<'d> Builder<'d> {
 
     /// The material an object asks for.
     pub(super) fn chosen_material(&mut self, part: &'d Part<MaterialChoice>) -> Option<Material> {
-        match &part.value {
-            MaterialChoice::Inline(description) => self.material(part.node, description),
+        self.material_of(part.node, &part.value)
+    }
+
+    /// The material that is chosen at a place.
+    pub(super) fn material_of(
+        &mut self,
+        node: NodeId,
+        choice: &'d MaterialChoice,
+    ) -> Option<Material> {
+        match choice {
+            MaterialChoice::Inline(description) => self.material(node, description),
             MaterialChoice::Named(name) => {
                 if let Some(material) = self.materials.get(name.as_str()) {
                     return *material;
                 }
-                self.dangling(part.node, "material", "materials", name);
+                self.dangling(node, "material", "materials", name);
                 None
             }
         }

@@ -1,47 +1,126 @@
 //! Meshes: named ones, files, lists of vertices, generators.
 
-use std::{collections::HashMap, sync::Arc};
+use std::sync::Arc;
 
 use glam::DVec3;
 
-use super::{Builder, SharedMesh};
+use super::{
+    Builder, SharedMesh,
+    stock::{Cut, Origin, Request, Shading, mesh_help},
+};
 use crate::{
-    geometry::{TriangleMesh, mesh::MeshError},
+    geometry::mesh::MeshError,
     scene::{
         MAX_LENGTH,
-        description::{MeshFields, MeshSource, TorusKnot, Triple, Waves},
+        description::{MeshFields, MeshSource, Smooth, TorusKnot, Triple, Waves},
         generate,
-        mesh_file::{self, MeshData},
+        mesh_file::{MeshData, Names},
         outline::NodeId,
     },
 };
 
+/// An entry of `meshes`.
+#[derive(Clone)]
+pub(super) struct Named<'d> {
+    origin: Origin,
+    /// The file as written, if it is one.
+    file: Option<&'d str>,
+    /// Where it is written.
+    place: NodeId,
+    shading: Shading,
+}
+
 impl<'d> Builder<'d> {
+    /// Reads what stands in `meshes`; those that no object shows are built to
+    /// find their mistakes.
     pub(super) fn named_meshes(&mut self) {
         for (name, part) in &self.description.meshes {
             if self.report.diagnostics.is_full() {
                 break;
             }
             let node = part.node;
-            let mesh = part.value.as_ref().and_then(|source| match source {
-                MeshSource::File(path) => self.mesh_from_file(node, path),
-                MeshSource::Mesh(fields) if fields.named.is_some() => {
-                    let place = self.report.field(node, "named");
-                    let label = "expected a file or vertices";
-                    let help = "objects can name the other mesh themselves";
-                    self.report
-                        .reject(place, "a mesh that is only another one's name", label, help)
-                }
-                MeshSource::Mesh(fields) => self.mesh_shape(node, fields),
-                MeshSource::Waves(waves) => self.waves(node, waves),
-                MeshSource::TorusKnot(knot) => self.torus_knot(node, knot),
-            });
-            self.meshes.insert(name, mesh);
+            let named = part
+                .value
+                .as_ref()
+                .and_then(|source| self.named_mesh(name, node, source));
+            let unused = named
+                .as_ref()
+                .filter(|named| !self.stock.is_wanted(&named.origin))
+                .cloned();
+            self.meshes.insert(name, named);
+            if let Some(named) = unused {
+                self.named_parts(&named, Request::default());
+            }
         }
     }
 
-    /// The mesh of `Mesh(..)`.
-    pub(super) fn mesh_shape(&mut self, node: NodeId, fields: &'d MeshFields) -> SharedMesh {
+    fn named_mesh(
+        &mut self,
+        name: &str,
+        node: NodeId,
+        source: &'d MeshSource,
+    ) -> Option<Named<'d>> {
+        let file = |builder: &mut Self, place, file: &'d str, shading| Named {
+            origin: builder.stock.origin_of(builder.base_dir, file),
+            file: Some(file),
+            place,
+            shading,
+        };
+        let data = match source {
+            MeshSource::File(path) => return Some(file(self, node, path, Shading::AsGiven)),
+            MeshSource::Mesh(fields) if fields.named.is_some() => {
+                let place = self.report.field(node, "named");
+                let label = "expected a file or vertices";
+                let help = "objects can name the other mesh themselves";
+                return self.report.reject(
+                    place,
+                    "a mesh that is only another one's name",
+                    label,
+                    help,
+                );
+            }
+            MeshSource::Mesh(fields) => {
+                let which = self.mesh_form(node, fields);
+                let shading = self.shading(node, fields);
+                if let (Some(0), Some(path)) = (which, fields.file.as_deref()) {
+                    let place = self.report.field(node, "file");
+                    return Some(file(self, place, path, shading?));
+                }
+                which.and_then(|_| self.mesh_in_place(node, fields))
+            }
+            MeshSource::Waves(waves) => self.waves(node, waves),
+            MeshSource::TorusKnot(knot) => self.torus_knot(node, knot),
+        };
+        let origin = Origin::Named(name.to_owned());
+        let is_good = data.is_some();
+        self.stock.keep(origin.clone(), data);
+        let shading = match source {
+            MeshSource::Mesh(fields) => Shading::of(fields.smooth),
+            _ => Shading::AsGiven,
+        };
+        is_good.then_some(Named {
+            origin,
+            file: None,
+            place: node,
+            shading,
+        })
+    }
+
+    fn named_parts(&mut self, named: &Named<'d>, mut request: Request) -> Option<Vec<Cut>> {
+        match named.file {
+            Some(file) => self.from_file(named.place, file, request),
+            None => {
+                let node = named.place;
+                self.parts(named.origin.clone(), &mut request, |builder, e| {
+                    builder.broken_in_place::<()>(node, e);
+                })
+            }
+        }
+    }
+
+    /// Which of `file`, `named` and `vertices` is given, with nothing that
+    /// does not go with it.
+    fn mesh_form(&mut self, node: NodeId, fields: &MeshFields) -> Option<usize> {
         let forms = [
             ("file", fields.file.is_some()),
             ("named", fields.named.is_some()),
@@ -65,58 +144,90 @@ impl<'d> Builder<'d> {
             self.report.push(diagnostic);
             return None;
         }
-        match which {
-            0 => self.mesh_from_file(self.report.field(node, "file"), fields.file.as_deref()?),
+        Some(which)
+    }
+
+    fn shading(&mut self, node: NodeId, fields: &MeshFields) -> Option<Shading> {
+        if let Some(Smooth::Angle(degrees)) = fields.smooth
+            && !(0.0..=180.0).contains(&degrees.0)
+        {
+            let place = self.report.field(node, "smooth");
+            let label = "expected an angle from 0 to 180 degrees";
+            let help = "30 keeps most edges of man-made things; `true` is 180";
+            return self
+                .report
+                .reject(place, "a crease angle out of range", label, help);
+        }
+        Some(Shading::of(fields.smooth))
+    }
+
+    /// The mesh of `Mesh(..)`.
+    pub(super) fn mesh_shape(&mut self, node: NodeId, fields: &'d MeshFields) -> SharedMesh {
+        let parts = self.mesh_parts(node, fields, vec![])?;
+        parts.into_iter().next().map(|(_, mesh)| mesh)
+    }
+
+    /// The mesh of `Mesh(..)`, cut by names.
+    pub(super) fn mesh_parts(
+        &mut self,
+        node: NodeId,
+        fields: &'d MeshFields,
+        keys: Vec<String>,
+    ) -> Option<Vec<Cut>> {
+        let which = self.mesh_form(node, fields);
+        let shading = self.shading(node, fields)?;
+        let request = Request { shading, keys };
+        match which? {
+            0 => {
+                let place = self.report.field(node, "file");
+                self.from_file(place, fields.file.as_deref()?, request)
+            }
             1 => {
-                let name = fields.named.as_deref()?;
-                if let Some(mesh) = self.meshes.get(name) {
-                    return mesh.clone();
+                let named = self.named_by(node, fields)?;
+                let shading = fields.smooth.map_or(named.shading, |_| request.shading);
+                self.named_parts(&named, Request { shading, ..request })
+            }
+            _ => {
+                let data = self.mesh_in_place(node, fields)?;
+                match self.lone_mesh(data, request.shading) {
+                    Ok(mesh) => Some(vec![(None, mesh?)]),
+                    Err(e) => self.broken_in_place(node, &e),
                 }
-                let place = self.report.field(node, "named");
-                self.dangling(place, "mesh", "meshes", name);
-                None
             }
-            _ => self.mesh_in_place(node, fields),
         }
     }
 
-    /// Each file is read once, and its mistakes are reported once.
-    fn mesh_from_file(&mut self, place: NodeId, file: &str) -> SharedMesh {
-        if let Some(mesh) = self.files.get(file) {
-            return mesh.clone();
+    /// The entry of `meshes` that is named.
+    fn named_by(&mut self, node: NodeId, fields: &MeshFields) -> Option<Named<'d>> {
+        let name = fields.named.as_deref()?;
+        if let Some(named) = self.meshes.get(name) {
+            return named.clone();
         }
-        let path = self.base_dir.join(file);
-        let (line, column) = self
-            .report
-            .source
-            .position(self.report.outline.span(place).start);
-        let used = format!("used at {}:{line}:{column}", self.report.source.name());
-        let mesh = match mesh_file::read(&path) {
-            Ok(data) => match TriangleMesh::new(data.vertices, data.normals, data.triangles) {
-                Ok(mesh) => Some(Arc::new(mesh)),
-                Err(e) => self.report.reject(
-                    place,
-                    format!("the mesh file {} is broken: {e}", path.display()),
-                    "this file",
-                    mesh_help(&e),
-                ),
-            },
-            Err(diagnostic) if !path.is_file() => self.report.reject(
-                place,
-                format!("cannot use {}: {}", path.display(), diagnostic.message),
-                "expected an OBJ or PLY file",
-                "paths are relative to the scene file's directory",
-            ),
-            Err(diagnostic) => {
-                self.report.push(diagnostic.with_note(used));
-                None
-            }
-        };
-        self.files.insert(file.to_owned(), mesh.clone());
-        mesh
+        let place = self.report.field(node, "named");
+        self.dangling(place, "mesh", "meshes", name);
+        None
     }
 
-    fn mesh_in_place(&mut self, node: NodeId, fields: &MeshFields) -> SharedMesh {
+    /// The names in the file behind `Mesh(..)`; empty if it is no file.
+    pub(super) fn mesh_names(
+        &mut self,
+        node: NodeId,
+        fields: &'d MeshFields,
+    ) -> Option<Arc<Names>> {
+        if let Some(file) = &fields.file {
+            let place = self.report.field(node, "file");
+            return self.names_in(place, file);
+        }
+        if fields.named.is_some() {
+            let named = self.named_by(node, fields)?;
+            if let Some(file) = named.file {
+                return self.names_in(named.place, file);
+            }
+        }
+        Some(Arc::default())
+    }
+
+    fn mesh_in_place(&mut self, node: NodeId, fields: &MeshFields) -> Option<MeshData> {
         let triangles = self.required(node, "triangles", fields.triangles.clone())?;
         let vertices = fields.vertices.as_deref()?;
         let place = self.report.field(node, "vertices");
@@ -127,25 +238,29 @@ impl<'d> Builder<'d> {
             }
         }
         let to_vectors = |list: &[Triple]| list.iter().map(|t| DVec3::from(*t)).collect();
-        let normals = fields.normals.as_deref().map(to_vectors);
-        match TriangleMesh::new(to_vectors(vertices), normals, triangles) {
-            Ok(mesh) => Some(Arc::new(mesh)),
-            Err(e) => {
-                let place = match &e {
-                    MeshError::IndexOutOfRange { triangle, .. } => {
-                        let list = self.report.field(node, "triangles");
-                        self.report.outline.item(list, *triangle).unwrap_or(list)
-                    }
-                    MeshError::NormalCount { .. } => self.report.field(node, "normals"),
-                    _ => self.report.field(node, "triangles"),
-                };
-                self.report
-                    .reject(place, format!("a broken mesh: {e}"), "here", mesh_help(&e))
-            }
-        }
+        Some(MeshData {
+            vertices: to_vectors(vertices),
+            normals: fields.normals.as_deref().map(to_vectors),
+            triangles,
+            names: Names::default(),
+        })
     }
 
-    pub(super) fn waves(&mut self, node: NodeId, waves: &Waves) -> SharedMesh {
+    /// Reports what is wrong with a mesh whose numbers stand in the scene.
+    fn broken_in_place<T>(&mut self, node: NodeId, e: &MeshError) -> Option<T> {
+        let place = match e {
+            MeshError::IndexOutOfRange { triangle, .. } => {
+                let list = self.report.field(node, "triangles");
+                self.report.outline.item(list, *triangle).unwrap_or(list)
+            }
+            MeshError::NormalCount { .. } => self.report.field(node, "normals"),
+            _ => self.report.field(node, "triangles"),
+        };
+        self.report
+            .reject(place, format!("a broken mesh: {e}"), "here", mesh_help(e))
+    }
+
+    fn waves(&mut self, node: NodeId, waves: &Waves) -> Option<MeshData> {
         for (key, [from, to]) in [("x", waves.x.0), ("y", waves.y.0)] {
             let place = self.report.field(node, key);
             self.report.point_here(place, Triple([from, to, 0.0]))?;
@@ -175,10 +290,10 @@ impl<'d> Builder<'d> {
                 .report
                 .reject(place, "waves too high or too steep", label, help);
         }
-        self.generated(node, generate::waves(waves))
+        Some(generate::waves(waves))
     }
 
-    pub(super) fn torus_knot(&mut self, node: NodeId, knot: &TorusKnot) -> SharedMesh {
+    fn torus_knot(&mut self, node: NodeId, knot: &TorusKnot) -> Option<MeshData> {
         self.report.point(node, "center", knot.center)?;
         let lengths = [
             ("scale", knot.scale),
@@ -212,7 +327,7 @@ impl<'d> Builder<'d> {
                 .report
                 .reject(place, "a knot that runs into itself", label, "such as 2");
         }
-        self.generated(node, generate::torus_knot(knot))
+        Some(generate::torus_knot(knot))
     }
 
     /// Takes triangles from what generators may make in one scene.
@@ -239,46 +354,22 @@ impl<'d> Builder<'d> {
         )
     }
 
+    /// The mesh of `Waves(..)`.
+    pub(super) fn waves_shape(&mut self, node: NodeId, waves: &Waves) -> SharedMesh {
+        let data = self.waves(node, waves)?;
+        self.generated(node, data)
+    }
+
+    /// The mesh of `TorusKnot(..)`.
+    pub(super) fn torus_knot_shape(&mut self, node: NodeId, knot: &TorusKnot) -> SharedMesh {
+        let data = self.torus_knot(node, knot)?;
+        self.generated(node, data)
+    }
+
     fn generated(&mut self, node: NodeId, data: MeshData) -> SharedMesh {
-        match TriangleMesh::new(data.vertices, data.normals, data.triangles) {
-            Ok(mesh) => Some(Arc::new(mesh)),
-            Err(e) => {
-                self.report
-                    .reject(node, format!("a broken mesh: {e}"), "here", mesh_help(&e))
-            }
+        match self.lone_mesh(data, Shading::AsGiven) {
+            Ok(mesh) => mesh,
+            Err(e) => self.broken_in_place(node, &e),
         }
-    }
-}
-
-fn mesh_help(error: &MeshError) -> &'static str {
-    match error {
-        MeshError::IndexOutOfRange { .. } => "vertices are counted from 0",
-        MeshError::NormalCount { .. } => "give one normal per vertex, or leave the normals out",
-        MeshError::Empty | MeshError::AllDegenerate(_) => {
-            "a mesh needs at least one triangle of some area"
-        }
-        _ => "",
-    }
-}
-
-/// How far a mesh is from being closed, in words.
-pub(super) fn describe_opening(mesh: &TriangleMesh) -> String {
-    let mut balance: HashMap<[[u64; 3]; 2], i64> = HashMap::new();
-    // Vertices are compared by position; adding 0 makes one zero of two.
-    let key = |p: DVec3| p.to_array().map(|c| (c + 0.0).to_bits());
-    for part in 0..mesh.triangle_count() as u32 {
-        let t = mesh.triangle(part).map(key);
-        for (a, b) in [(t[0], t[1]), (t[1], t[2]), (t[2], t[0])] {
-            if a < b {
-                *balance.entry([a, b]).or_default() += 1;
-            } else {
-                *balance.entry([b, a]).or_default() -= 1;
-            }
-        }
-    }
-    match balance.values().filter(|&&n| n != 0).count() {
-        0 => "some edges belong to more than two faces".to_owned(),
-        1 => "one edge lacks a second face".to_owned(),
-        n => format!("{n} edges lack a second face"),
     }
 }

@@ -10,14 +10,17 @@ mod light;
 mod material;
 mod mesh;
 mod object;
+mod parts;
 mod placement;
 mod shape;
 mod solid;
+mod stock;
 
 use std::{collections::HashMap, path::Path, sync::Arc};
 
 use super::{
-    NamedLight, Object, Scene, Settings, description::Description, outline::NodeId, report::Report,
+    NamedLight, Object, Scene, Settings, description::Description, mesh_file::Watch,
+    outline::NodeId, report::Report,
 };
 use crate::{
     geometry::{Instance, Shape, TriangleMesh, World},
@@ -35,10 +38,12 @@ struct Builder<'d> {
     base_dir: &'d Path,
     /// Built materials by name; `None` for broken ones.
     materials: HashMap<&'d str, Option<Material>>,
-    /// Built meshes by name; `None` for broken ones.
-    meshes: HashMap<&'d str, SharedMesh>,
-    /// Meshes read from files, by path as written.
-    files: HashMap<String, SharedMesh>,
+    /// Entries of `meshes` by name; `None` for broken ones.
+    meshes: HashMap<&'d str, Option<mesh::Named<'d>>>,
+    /// Meshes that were read, and those made of them.
+    stock: stock::Stock,
+    /// Is told how far it is.
+    watch: Watch<'d>,
     /// Triangles that generators may still make.
     triangles_left: u64,
 }
@@ -57,6 +62,7 @@ struct BuiltObject {
 pub(super) fn build(
     description: &Description,
     base_dir: &Path,
+    watch: Watch,
     report: &mut Report,
 ) -> Option<Scene> {
     let mut builder = Builder {
@@ -65,12 +71,14 @@ pub(super) fn build(
         base_dir,
         materials: HashMap::new(),
         meshes: HashMap::new(),
-        files: HashMap::new(),
+        stock: stock::Stock::default(),
+        watch,
         triangles_left: super::generate::MAX_TRIANGLES,
     };
     if builder.report.diagnostics.is_full() {
         return None;
     }
+    builder.stock = stock::Stock::for_scene(description, base_dir);
     builder.named_materials();
     builder.named_meshes();
     let image = builder.image();

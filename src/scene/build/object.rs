@@ -6,10 +6,20 @@ use crate::{
     material::Material,
     scene::{
         Object,
+        decode::short,
         description::{ObjectDescription, Part},
+        mesh_words::openings,
         outline::NodeId,
     },
 };
+
+/// What becomes one instance.
+pub(super) struct Piece<'d> {
+    /// The name of a part, and where its material stands.
+    pub(super) name: Option<(NodeId, &'d str)>,
+    pub(super) shape: Shape,
+    pub(super) material: Material,
+}
 
 impl<'d> Builder<'d> {
     pub(super) fn objects(&mut self) -> Vec<BuiltObject> {
@@ -23,43 +33,72 @@ impl<'d> Builder<'d> {
         list
     }
 
-    /// Checks all parts of an object, so that all its mistakes are found.
-    fn object(&mut self, index: usize, part: &'d Part<ObjectDescription>) -> Option<BuiltObject> {
+    /// Checks all parts of an object, so that all its mistakes are found. A
+    /// mesh with materials by name becomes one object for each of them.
+    fn object(&mut self, index: usize, part: &'d Part<ObjectDescription>) -> Vec<BuiltObject> {
         let Part { node, value: d } = part;
         let name = d
             .name
             .clone()
             .unwrap_or_else(|| format!("objects[{index}]"));
-        let shape = d.shape.as_ref().and_then(|s| self.shape(s.node, &s.value));
-        let material = d.material.as_ref().and_then(|m| self.chosen_material(m));
+        let pieces = match &d.materials {
+            None => self.whole(d),
+            Some(materials) => self.cut_by_names(d, materials),
+        };
         let transform = self.placement(d.at.as_ref());
-        let (shape, material, transform) = (shape?, material?, transform.ok()?);
-        let material = match material {
+        let (Some(pieces), Ok(transform)) = (pieces, transform) else {
+            return vec![];
+        };
+        let mut built = Vec::with_capacity(pieces.len());
+        for piece in pieces {
+            let Some(material) = self.material_on(*node, d, &piece) else {
+                continue;
+            };
+            let name = match piece.name {
+                None => name.clone(),
+                Some((_, part)) => format!("{name}/{part}"),
+            };
+            built.push(BuiltObject {
+                object: Object {
+                    name,
+                    material,
+                    light: None,
+                },
+                instance: Instance {
+                    shape: piece.shape,
+                    transform: transform.clone(),
+                },
+                node: *node,
+            });
+        }
+        built
+    }
+
+    /// The material of a piece, if its shape can have it.
+    fn material_on(
+        &mut self,
+        node: NodeId,
+        d: &ObjectDescription,
+        piece: &Piece,
+    ) -> Option<Material> {
+        match piece.material {
             Material::Dielectric {
                 ior,
                 thin: false,
                 priority,
             } => {
-                self.check_closed(*node, d, &shape)?;
-                self.check_priority(*node, d, priority)?;
-                Material::Dielectric {
+                if !d.open {
+                    self.check_closed(node, piece)?;
+                }
+                self.check_priority(node, d, priority)?;
+                Some(Material::Dielectric {
                     ior,
                     thin: false,
                     priority: priority.filter(|_| !d.open),
-                }
+                })
             }
-            other => other,
-        };
-        let object = Object {
-            name,
-            material,
-            light: None,
-        };
-        Some(BuiltObject {
-            object,
-            instance: Instance { shape, transform },
-            node: *node,
-        })
+            other => Some(other),
+        }
     }
 
     /// An open surface is no body: it has no overlaps to win.
@@ -80,15 +119,29 @@ impl<'d> Builder<'d> {
         self.report.reject(place, message, label, help)
     }
 
-    /// Glass must enclose its medium, or say that it doesn't.
-    fn check_closed(&mut self, node: NodeId, d: &ObjectDescription, shape: &Shape) -> Option<()> {
-        let place = self.report.field(node, "shape");
-        if d.open {
-            return Some(());
-        }
-        if !shape.is_closed() {
-            let (label, close) = match shape {
-                Shape::Mesh(mesh) => (super::mesh::describe_opening(mesh), "close the mesh"),
+    fn whole(&mut self, d: &'d ObjectDescription) -> Option<Vec<Piece<'d>>> {
+        let shape = d.shape.as_ref().and_then(|s| self.shape(s.node, &s.value));
+        let material = d.material.as_ref().and_then(|m| self.chosen_material(m));
+        Some(vec![Piece {
+            name: None,
+            shape: shape?,
+            material: material?,
+        }])
+    }
+
+    /// Glass must enclose its medium.
+    fn check_closed(&mut self, node: NodeId, piece: &Piece) -> Option<()> {
+        let place = match piece.name {
+            None => self.report.field(node, "shape"),
+            Some((place, _)) => place,
+        };
+        let part = match piece.name {
+            None => String::new(),
+            Some((_, name)) => format!(": the part \"{}\"", short(name)),
+        };
+        if !piece.shape.is_closed() {
+            let (label, close) = match &piece.shape {
+                Shape::Mesh(mesh) => (openings(mesh.defects()).join("; "), "close the mesh"),
                 Shape::Cylinder(_) | Shape::Conic(_) | Shape::Quadric(_) => (
                     "this surface has open ends".to_owned(),
                     "write `capped: true`",
@@ -106,18 +159,17 @@ impl<'d> Builder<'d> {
                 "{close}; or write `open: true` in the object if this is the surface of a larger body \
                  (its normal then points to the outside medium); or `thin: true` in the material for a pane"
             );
-            let message = "glass that does not enclose anything";
+            let message = format!("glass that does not enclose anything{part}");
             return self.report.reject(place, message, label, help);
         }
-        if let Shape::Mesh(mesh) = shape
+        if let Shape::Mesh(mesh) = &piece.shape
             && mesh.signed_volume() < 0.0
         {
             let help =
                 "reverse the order of every face's vertices (most tools call it `flip normals`)";
             let label = "the faces are clockwise seen from outside";
-            return self
-                .report
-                .reject(place, "a glass mesh turned inside out", label, help);
+            let message = format!("a glass mesh turned inside out{part}");
+            return self.report.reject(place, message, label, help);
         }
         Some(())
     }

@@ -130,7 +130,7 @@ impl Builder<'_> {
 }
 
 /// Sine and cosine of an angle in degrees; multiples of 90 are exact.
-fn sin_cos_degrees(degrees: f64) -> (f64, f64) {
+pub(super) fn sin_cos_degrees(degrees: f64) -> (f64, f64) {
     let reduced = degrees % 360.0;
     let quarters = (reduced / 90.0).round();
     // Exact by Sterbenz's lemma: unless `quarters` is 0, the two are within

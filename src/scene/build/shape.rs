@@ -101,8 +101,8 @@ impl<'d> Builder<'d> {
             | ShapeDescription::Difference(_)
             | ShapeDescription::Lens(_) => self.solid(node, shape),
             ShapeDescription::Mesh(s) => self.mesh_shape(node, s).map(Shape::Mesh),
-            ShapeDescription::Waves(s) => self.waves(node, s).map(Shape::Mesh),
-            ShapeDescription::TorusKnot(s) => self.torus_knot(node, s).map(Shape::Mesh),
+            ShapeDescription::Waves(s) => self.waves_shape(node, s).map(Shape::Mesh),
+            ShapeDescription::TorusKnot(s) => self.torus_knot_shape(node, s).map(Shape::Mesh),
             ShapeDescription::Implicit(s) => self.implicit(node, s).map(Shape::Implicit),
         }
     }

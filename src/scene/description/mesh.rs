@@ -7,7 +7,7 @@ use serde::{
     de::{Error, SeqAccess, Visitor},
 };
 
-use super::{Number, Pair, Triple};
+use super::{Number, Pair, Triple, value::finite};
 
 /// Where a mesh comes from.
 #[derive(Clone, Debug, Deserialize)]
@@ -28,7 +28,7 @@ pub enum MeshSource {
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields, rename = "Mesh")]
 pub struct MeshFields {
-    /// Path of an OBJ or PLY file, relative to the scene file.
+    /// Path of a mesh file, relative to the scene file.
     pub file: Option<String>,
     /// Name of an entry of `meshes`.
     pub named: Option<String>,
@@ -38,6 +38,17 @@ pub struct MeshFields {
     pub triangles: Option<Vec<[u32; 3]>>,
     /// One normal per vertex.
     pub normals: Option<Vec<Triple>>,
+    /// Which normals shade it.
+    pub smooth: Option<Smooth>,
+}
+
+/// What `smooth` says.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Smooth {
+    /// `true`: round; `false`: faceted.
+    Flag(bool),
+    /// Round where faces meet at no more than this angle in degrees.
+    Angle(Number),
 }
 
 /// `Waves(..)`: a height field that is a sum of sine waves.
@@ -124,6 +135,31 @@ impl Default for TorusKnot {
 
 fn zero() -> Number {
     Number(0.0)
+}
+
+impl<'de> Deserialize<'de> for Smooth {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct V;
+        impl Visitor<'_> for V {
+            type Value = Smooth;
+            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                f.write_str("`true`, `false` or an angle in degrees")
+            }
+            fn visit_bool<E: Error>(self, v: bool) -> Result<Smooth, E> {
+                Ok(Smooth::Flag(v))
+            }
+            fn visit_f64<E: Error>(self, v: f64) -> Result<Smooth, E> {
+                finite(v).map(|v| Smooth::Angle(Number(v)))
+            }
+            fn visit_u64<E: Error>(self, v: u64) -> Result<Smooth, E> {
+                Ok(Smooth::Angle(Number(v as f64)))
+            }
+            fn visit_i64<E: Error>(self, v: i64) -> Result<Smooth, E> {
+                Ok(Smooth::Angle(Number(v as f64)))
+            }
+        }
+        deserializer.deserialize_any(V)
+    }
 }
 
 impl<'de> Deserialize<'de> for Cells {

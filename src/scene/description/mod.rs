@@ -27,7 +27,7 @@ pub use implicit::{ImplicitShape, MethodDescription};
 pub use light::{
     DirectionalLight, DiscLight, LightDescription, PointLight, QuadLight, SphereLight, SpotLight,
 };
-pub use mesh::{Cells, MeshFields, MeshSource, TorusKnot, Wave, Waves};
+pub use mesh::{Cells, MeshFields, MeshSource, Smooth, TorusKnot, Wave, Waves};
 pub use shape::{
     CylinderShape, DiscShape, PlaneShape, QuadShape, ShapeDescription, SphereShape, TriangleShape,
 };
@@ -162,6 +162,8 @@ pub struct ObjectDescription {
     pub shape: Option<Part<ShapeDescription>>,
     /// How it scatters.
     pub material: Option<Part<MaterialChoice>>,
+    /// How the parts of a mesh scatter, by the names that its file has.
+    pub materials: Option<Part<Vec<(String, Part<Option<MaterialChoice>>)>>>,
     /// Steps that place the shape, in order, and where they stand.
     pub at: Option<Part<Vec<Part<TransformStep>>>>,
     /// Whether a refracting surface is meant not to enclose anything.

@@ -13,7 +13,7 @@ use serde::{
 pub struct Number(pub f64);
 
 /// Refuses what RON accepts as a number but nobody means.
-fn finite<E: Error>(value: f64) -> Result<f64, E> {
+pub(super) fn finite<E: Error>(value: f64) -> Result<f64, E> {
     if value.is_finite() {
         Ok(value)
     } else if value.is_nan() {

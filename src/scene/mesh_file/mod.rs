@@ -1,23 +1,37 @@
-//! Mesh files: Wavefront OBJ and Stanford PLY.
+//! Mesh files: Wavefront OBJ, Stanford PLY, STL and glTF 2.0.
 //!
 //! The readers are the project's own because every mistake is reported with
 //! its line and column (text) or byte offset (binary). They never reserve
 //! memory for what a header merely claims, check every index, and accept only
-//! finite numbers. Polygons become fans of triangles.
+//! finite numbers. Polygons become fans of triangles. Large files are read in
+//! chunks by all threads; the result does not depend on how many.
 
+mod fault;
+mod gltf;
+mod lines;
+mod names;
 mod obj;
 mod ply;
+mod progress;
+mod stl;
 
-use std::{fs::File, io::Read, ops::Range, path::Path};
+use std::{fs::File, io::Read, path::Path};
 
 use glam::DVec3;
 
 use super::diagnostics::Diagnostic;
+use fault::Fault;
+use progress::Progress;
+
+pub use names::Names;
+pub use progress::{Loading, Watch};
 
 /// Largest mesh file, in bytes.
-pub const MAX_MESH_BYTES: u64 = 2 << 30;
+pub const MAX_MESH_BYTES: u64 = 8 << 30;
 /// Largest coordinate of a vertex, in metres.
 const MAX_COORDINATE: f64 = super::MAX_LENGTH;
+/// What the name of a mesh file ends in.
+pub(super) const EXTENSIONS: &str = ".obj, .ply, .stl, .gltf or .glb";
 
 /// A mesh as a file or a generator gives it.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -28,68 +42,57 @@ pub struct MeshData {
     pub normals: Option<Vec<DVec3>>,
     /// Vertex indices, counter-clockwise seen from outside.
     pub triangles: Vec<[u32; 3]>,
+    /// What the file calls its triangles.
+    pub names: Names,
 }
 
-/// What is wrong with a mesh file.
-#[derive(Clone, Debug)]
-pub(super) struct Fault {
-    at: FaultPlace,
-    message: String,
-    label: String,
-}
-
-#[derive(Clone, Debug)]
-enum FaultPlace {
-    File,
-    /// Bytes to mark in a text.
-    Text(Range<usize>),
-    /// Offset in a binary file.
-    Byte(usize),
-}
-
-impl Fault {
-    fn file(message: impl Into<String>) -> Self {
-        Self {
-            at: FaultPlace::File,
-            message: message.into(),
-            label: String::new(),
+impl MeshData {
+    /// The triangles that go by each of `keys`, and those that go by none, as
+    /// meshes of their own: the latter first, those without triangles left
+    /// out. Vertices stand in the order of their first use.
+    pub(super) fn split(&self, keys: &[&str]) -> Vec<(Option<usize>, Self)> {
+        let mut lists: Vec<Vec<[u32; 3]>> = vec![Vec::new(); keys.len() + 1];
+        let mut from = 0;
+        let rest = [(self.triangles.len(), None)];
+        for (end, key) in self.names.runs_by(keys).into_iter().chain(rest) {
+            lists[key.map_or(0, |k| k + 1)].extend_from_slice(&self.triangles[from..end]);
+            from = end;
         }
+        let mut renamed = vec![u32::MAX; self.vertices.len()];
+        let lists = lists.into_iter().enumerate();
+        lists
+            .filter(|(_, triangles)| !triangles.is_empty())
+            .map(|(i, triangles)| {
+                (
+                    i.checked_sub(1),
+                    self.with_triangles(triangles, &mut renamed),
+                )
+            })
+            .collect()
     }
 
-    fn text(span: Range<usize>, message: impl Into<String>, label: impl Into<String>) -> Self {
-        Self {
-            at: FaultPlace::Text(span),
-            message: message.into(),
-            label: label.into(),
-        }
-    }
-
-    fn byte(offset: usize, message: impl Into<String>) -> Self {
-        Self {
-            at: FaultPlace::Byte(offset),
-            message: message.into(),
-            label: String::new(),
-        }
-    }
-
-    fn into_diagnostic(self, file: &str, bytes: &[u8]) -> Diagnostic {
-        match self.at {
-            FaultPlace::File => Diagnostic::of_file(file, self.message),
-            FaultPlace::Byte(offset) => Diagnostic::at_byte(file, offset, self.message),
-            FaultPlace::Text(span) => {
-                let start = bytes[..span.start]
-                    .iter()
-                    .rposition(|&b| b == b'\n')
-                    .map_or(0, |i| i + 1);
-                let line = bytes[..start].split(|&b| b == b'\n').count();
-                let rest = &bytes[start..];
-                let end = rest.iter().position(|&b| b == b'\n').unwrap_or(rest.len());
-                let text = String::from_utf8_lossy(&rest[..end]);
-                let place = (line, span.start - start + 1);
-                Diagnostic::in_line(file, text.trim_end(), place, span, self.message)
+    /// Some triangles and the vertices that they use; `renamed` is full of
+    /// `u32::MAX` and left so.
+    fn with_triangles(&self, mut triangles: Vec<[u32; 3]>, renamed: &mut [u32]) -> Self {
+        let mut old = Vec::new();
+        for corner in triangles.iter_mut().flatten() {
+            let name = &mut renamed[*corner as usize];
+            if *name == u32::MAX {
+                *name = old.len() as u32;
+                old.push(*corner as usize);
             }
+            *corner = *name;
         }
-        .with_label(self.label)
+        for &i in &old {
+            renamed[i] = u32::MAX;
+        }
+        let pick = |list: &Vec<DVec3>| old.iter().map(|&i| list[i]).collect();
+        Self {
+            vertices: pick(&self.vertices),
+            normals: self.normals.as_ref().map(pick),
+            triangles,
+            names: Names::default(),
+        }
     }
 }
 
@@ -97,27 +100,39 @@ impl Fault {
 ///
 /// # Errors
 /// What is wrong with the file, and where.
-pub fn read(path: &Path) -> Result<MeshData, Box<Diagnostic>> {
+pub fn read(path: &Path, watch: Watch) -> Result<MeshData, Box<Diagnostic>> {
     let name = path.display().to_string();
     let bytes =
         read_bytes(path).map_err(|message| Box::new(Diagnostic::of_file(&name, message)))?;
-    parse(&name, &bytes)
+    parse_watched(&name, &bytes, watch)
 }
 
 /// Reads a mesh from the bytes of a file; the name's extension decides the
-/// format.
+/// format. Other files that the bytes name are looked for beside it.
 ///
 /// # Errors
 /// What is wrong with the bytes, and where.
 pub fn parse(name: &str, bytes: &[u8]) -> Result<MeshData, Box<Diagnostic>> {
-    let extension = Path::new(name)
+    parse_watched(name, bytes, &|_| {})
+}
+
+fn parse_watched(name: &str, bytes: &[u8], watch: Watch) -> Result<MeshData, Box<Diagnostic>> {
+    let path = Path::new(name);
+    let extension = path
         .extension()
         .and_then(|e| e.to_str())
         .unwrap_or_default();
+    let progress = Progress::new(watch, name, bytes.len());
+    let folder = path.parent().unwrap_or(Path::new(""));
     let result = match extension.to_ascii_lowercase().as_str() {
-        "obj" => obj::parse(bytes),
-        "ply" => ply::parse(bytes),
-        _ => Err(Fault::file("the name of a mesh file ends in .obj or .ply")),
+        "obj" => obj::parse(bytes, lines::CHUNK, &progress),
+        "ply" => ply::parse(bytes, lines::CHUNK, &progress),
+        "stl" => stl::parse(bytes, &progress),
+        "gltf" => gltf::parse_text(bytes, folder),
+        "glb" => gltf::parse_binary(bytes, folder),
+        _ => Err(Fault::file(format!(
+            "the name of a mesh file ends in {EXTENSIONS}"
+        ))),
     };
     let result = result.and_then(|mesh| {
         if mesh.triangles.is_empty() {
@@ -139,7 +154,7 @@ fn read_bytes(path: &Path) -> Result<Vec<u8>, String> {
     }
     if metadata.len() > MAX_MESH_BYTES {
         return Err(format!(
-            "the mesh file is larger than {} GiB",
+            "the file is larger than {} GiB",
             MAX_MESH_BYTES >> 30
         ));
     }

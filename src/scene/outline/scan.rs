@@ -346,7 +346,7 @@ impl<'t> Scanner<'t> {
         if index >= MAX_VALUES {
             let message = format!("the scene has more than {MAX_VALUES} values");
             return Err(SyntaxError::new(span, message, "one too many").with_help(
-                "put large meshes into OBJ or PLY files and name them with Mesh(file: \"...\")",
+                "put large meshes into files of their own and name them with Mesh(file: \"...\")",
             ));
         }
         let parent = self.open.last().map_or(NONE, |id| id.0);
