@@ -114,22 +114,16 @@ fn gltf_data() -> Vec<u8> {
     bytes
 }
 
-/// The same with its data in the text: zeros but for the x and y axes, so
-/// that they can be written by hand.
+/// The same with its data in the text.
 fn gltf_text() -> String {
-    // In base64 a group of 4 digits is 3 bytes; 1.0 is 00 00 80 3f.
-    let corners = format!(
-        "{}AAAAgD8{}AAgD8{}",
-        "A".repeat(14),
-        "A".repeat(14),
-        "A".repeat(5)
-    );
-    let data: String = corners
-        .chars()
-        .chain("A".repeat(104).chars())
-        .take(104)
-        .collect();
-    gltf(&format!("\"uri\": \"data:;base64,{data}\", "))
+    const DIGITS: &[u8; 64] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+    let mut data = String::new();
+    for group in gltf_data().chunks(3) {
+        let bits = (0..3).fold(0u32, |b, i| b << 8 | u32::from(*group.get(i).unwrap_or(&0)));
+        let digits = (0..=group.len()).map(|i| DIGITS[(bits >> (18 - 6 * i) & 63) as usize]);
+        data.extend(digits.map(char::from));
+    }
+    gltf(&format!("\"uri\": \"data:;base64,{data}==\", "))
 }
 
 fn glb() -> Vec<u8> {

@@ -469,7 +469,9 @@ fn smooth_is_by_the_file_by_faces_or_by_angle() {
 
 #[test]
 fn the_summary_tells_what_is_wrong_with_meshes() {
-    // A tetrahedron with a face turned, one face twice and a flat one.
+    // A tetrahedron with a face turned, one face twice and a flat one. A
+    // stated normal is wrong for three corners, two that are made of faces
+    // which contradict each other are, too.
     let obj = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nvn 0 0 1\nf 1 3 2\nf 1//1 2//1 4//1\nf 1 3 4\n\
                f 2 3 4\nf 2 3 4\nf 1 2 2\n";
     let scene = loaded_beside(
@@ -490,7 +492,7 @@ fn the_summary_tells_what_is_wrong_with_meshes() {
             mesh.dropped,
             mesh.disagreeing
         ],
-        [0, 2, 3, 1, 1, 3]
+        [0, 2, 3, 1, 1, 5]
     );
     assert_eq!((mesh.triangles, mesh.volume), (5, None));
     let text = summary.to_string();
@@ -501,7 +503,7 @@ fn the_summary_tells_what_is_wrong_with_meshes() {
         "3 edges belong to more than two faces, the first from (1, 0, 0) to (0, 1, 0)",
         "1 face repeats another one",
         "1 face of zero area was dropped",
-        "3 corners have normals on the other side",
+        "5 corners have normals on the other side",
     ] {
         assert!(text.contains(part), "{part:?} is missing in\n{text}");
     }

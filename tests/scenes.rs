@@ -10,7 +10,7 @@ use std::{
 use glam::DVec3;
 use nephroid::{
     film::Layer,
-    geometry::{Ray, Surface, SurfacePoint},
+    geometry::{Ray, Shape, Surface, SurfacePoint},
     light::Source,
     plan::{Media, Plan},
     render::{self, Job},
@@ -262,6 +262,31 @@ fn the_tanglecube_is_where_its_formula_says() {
     assert!((widest.ng - DVec3::X).length() < 1e-12);
     let (name, ..) = step(&scene, &Ray::new(center + DVec3::Z, DVec3::NEG_Z)).unwrap();
     assert_eq!(name, "floor", "the window is open");
+}
+
+#[test]
+fn the_gem_sends_a_ray_down_its_axis_back_through_the_table() {
+    let scene = load("gem.ron");
+    let Shape::Mesh(gem) = &scene.world.instances()[1].shape else {
+        panic!("a mesh")
+    };
+    assert!(gem.is_closed() && !gem.is_smooth());
+    assert_eq!((gem.vertex_count(), gem.triangle_count()), (25, 46));
+    let lie = glam::DQuat::from_rotation_y(40.75f64.to_radians());
+    let place = |p: DVec3| lie * (p * 0.3) + DVec3::Z * 0.19584;
+    let axis = lie * DVec3::Z;
+    let out = after(
+        &scene,
+        Ray::new(place(DVec3::new(0.15, 0.0, 2.0)), -axis),
+        4,
+    );
+    let angle = out.dir.dot(axis).acos().to_degrees();
+    let known = (2.42 * 17f64.to_radians().sin()).asin().to_degrees();
+    // The corners have single precision.
+    assert!(
+        (known - 45.04).abs() < 0.005 && (angle - known).abs() < 1e-4,
+        "{angle}"
+    );
 }
 
 #[test]

@@ -5,6 +5,7 @@ mod curved;
 mod equivalence;
 mod exact;
 mod known;
+mod leaks;
 mod leaving;
 mod place;
 mod precision;

@@ -5,7 +5,10 @@ use std::sync::Arc;
 use glam::{DAffine3, DVec3};
 use nephroid::geometry::{Ray, Shape, Surface, Transform, TriangleMesh, World};
 
-use crate::scenes::{Random, grid_mesh, single, sphere_mesh};
+use crate::{
+    leaks::{SURFACES, hunt_judged, hunt_meshes, hunt_surface},
+    scenes::{Random, grid_mesh, single, sphere_mesh},
+};
 
 /// Points on vertices and edges of a mesh.
 fn seams(random: &mut Random, mesh: &TriangleMesh, count: usize) -> Vec<DVec3> {
@@ -46,6 +49,36 @@ fn no_ray_escapes_from_a_closed_mesh() {
         });
         assert_eq!(misses(&world, rays), 0, "scale {scale}, moved {shift}");
     }
+}
+
+/// The same from small to large and from near to far, with meshes from coarse
+/// to fine; `benches/leaks.rs` goes on with it.
+#[test]
+fn no_ray_escapes_at_any_scale_and_place() {
+    let bag = hunt_meshes(3, 60_000, 1000);
+    assert_eq!((bag.rays, bag.leaks()), (60_000, 0), "{bag:?}");
+}
+
+/// Rays leave each surface from its own points and meet what they should.
+#[test]
+fn surfaces_are_left_and_met_as_they_should() {
+    for (kind, name) in SURFACES.iter().enumerate() {
+        let bag = hunt_surface(kind, 5, 20_000);
+        assert_eq!(bag.leaks(), 0, "{name}: {bag:?}");
+        // Not too few decide: half of the directions are close to the tangent
+        // plane, many shapes small and far away.
+        assert!(bag.undecided * 2 < bag.rays, "{name}: {bag:?}");
+    }
+}
+
+/// A tube that is taken for a closed cylinder, and the other way round: the
+/// judge above notices.
+#[test]
+fn a_wrong_surface_is_noticed() {
+    let kind = |wanted: &str| SURFACES.iter().position(|name| *name == wanted).unwrap();
+    let (closed, tube) = (kind("cylinder"), kind("tube"));
+    assert!(hunt_judged(tube, closed, 5, 2000).missed > 100);
+    assert!(hunt_judged(closed, tube, 5, 2000).false_hits > 100);
 }
 
 #[test]
