@@ -9,7 +9,9 @@ use std::{fs::File, io::Read, path::Path};
 use super::{
     Scene, build,
     decode::{options, suggest},
-    description::{Description, MaterialChoice, MeshSource, ObjectDescription, Part},
+    description::{
+        Description, MaterialChoice, MeshSource, ObjectDescription, Part, PartMaterials,
+    },
     diagnostics::{Diagnostic, Diagnostics},
     mesh_file::Watch,
     outline::{Kind, NodeId, Outline},
@@ -354,10 +356,7 @@ fn read_material(report: &mut Report, node: NodeId) -> Option<Part<MaterialChoic
 }
 
 /// The materials of a mesh's parts, by name.
-fn read_part_materials(
-    report: &mut Report,
-    node: NodeId,
-) -> Part<Vec<(String, Part<Option<MaterialChoice>>)>> {
+fn read_part_materials(report: &mut Report, node: NodeId) -> PartMaterials {
     let mut value = Vec::new();
     for (name, node) in entries(report, Some(node)) {
         let choice = read_material(report, node).map(|part| part.value);

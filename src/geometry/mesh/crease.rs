@@ -6,6 +6,9 @@ use rayon::prelude::*;
 use super::weld::first_at_place;
 use crate::{geometry::shape::triangle_normal, numeric::trig::acos};
 
+/// A group that has no vertex yet.
+const NONE: u32 = u32::MAX;
+
 /// A mesh whose normals were made from its faces.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Creased {
@@ -39,7 +42,6 @@ pub fn creased(positions: &[DVec3], triangles: &[[u32; 3]], cos_crease: f64) -> 
         triangles: vec![[0; 3]; triangles.len()],
         ..Creased::default()
     };
-    const NONE: u32 = u32::MAX;
     let mut names = vec![NONE; groups.len()];
     for (i, t) in triangles.iter().enumerate() {
         let weights = faces[i].map_or([0.0; 3], |_| corner_angles(&corners(t)));

@@ -112,7 +112,7 @@ impl EdgeTable {
 }
 
 /// Counts of edges, and the first of each kind as vertices.
-#[derive(Default)]
+#[derive(Clone, Copy, Default)]
 struct Found {
     kinds: [(usize, Option<[u32; 2]>); 3],
 }

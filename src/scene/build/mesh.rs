@@ -108,7 +108,7 @@ impl<'d> Builder<'d> {
 
     fn named_parts(&mut self, named: &Named<'d>, mut request: Request) -> Option<Vec<Cut>> {
         match named.file {
-            Some(file) => self.from_file(named.place, file, request),
+            Some(file) => self.file_parts(named.place, file, request),
             None => {
                 let node = named.place;
                 self.parts(named.origin.clone(), &mut request, |builder, e| {
@@ -180,7 +180,7 @@ impl<'d> Builder<'d> {
         match which? {
             0 => {
                 let place = self.report.field(node, "file");
-                self.from_file(place, fields.file.as_deref()?, request)
+                self.file_parts(place, fields.file.as_deref()?, request)
             }
             1 => {
                 let named = self.named_by(node, fields)?;

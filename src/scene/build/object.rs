@@ -66,7 +66,7 @@ impl<'d> Builder<'d> {
                 },
                 instance: Instance {
                     shape: piece.shape,
-                    transform: transform.clone(),
+                    transform,
                 },
                 node: *node,
             });

@@ -7,21 +7,18 @@ use crate::{
     geometry::Shape,
     scene::{
         decode::{list, short, suggest},
-        description::{MaterialChoice, MeshFields, ObjectDescription, Part, ShapeDescription},
+        description::{MeshFields, ObjectDescription, PartMaterials, ShapeDescription},
         mesh_file::Names,
         outline::NodeId,
     },
 };
-
-/// An object's `materials`.
-type Chosen = Part<Vec<(String, Part<Option<MaterialChoice>>)>>;
 
 impl<'d> Builder<'d> {
     /// One piece for each named part of a mesh, and one for the rest.
     pub(super) fn cut_by_names(
         &mut self,
         d: &'d ObjectDescription,
-        chosen: &'d Chosen,
+        chosen: &'d PartMaterials,
     ) -> Option<Vec<Piece<'d>>> {
         let rest = d.material.as_ref().map(|m| self.chosen_material(m));
         let materials: Vec<_> = (chosen.value.iter())
@@ -40,7 +37,8 @@ impl<'d> Builder<'d> {
         self.check_names(shape.node, fields, chosen)?;
         let keys = chosen.value.iter().map(|(name, _)| name.clone()).collect();
         let parts = self.mesh_parts(shape.node, fields, keys)?;
-        self.check_effect(chosen, parts.iter().filter_map(|(key, _)| *key).collect());
+        let used = parts.iter().filter_map(|(key, _)| *key).collect();
+        self.check_effect(chosen, &used);
         let mut pieces = Vec::with_capacity(parts.len());
         for (key, mesh) in parts {
             let shape = Shape::Mesh(mesh);
@@ -61,7 +59,12 @@ impl<'d> Builder<'d> {
     }
 
     /// Every name must be one of the file.
-    fn check_names(&mut self, node: NodeId, fields: &'d MeshFields, chosen: &Chosen) -> Option<()> {
+    fn check_names(
+        &mut self,
+        node: NodeId,
+        fields: &'d MeshFields,
+        chosen: &PartMaterials,
+    ) -> Option<()> {
         let names = self.mesh_names(node, fields)?;
         let known: BTreeSet<&str> = Names::all(&names);
         let known: Vec<&str> = known.into_iter().collect();
@@ -87,7 +90,7 @@ impl<'d> Builder<'d> {
     }
 
     /// Every name must get triangles.
-    fn check_effect(&mut self, chosen: &Chosen, used: BTreeSet<usize>) {
+    fn check_effect(&mut self, chosen: &PartMaterials, used: &BTreeSet<usize>) {
         let idle = (chosen.value.iter().enumerate()).filter(|(k, _)| !used.contains(k));
         for (_, (name, part)) in idle {
             let message = format!("the part \"{}\" gets no triangles", short(name));
@@ -101,7 +104,7 @@ impl<'d> Builder<'d> {
     }
 
     /// The material of triangles that go by none of the names.
-    fn material_of_rest<T>(&mut self, chosen: &Chosen, rest: Option<T>) -> Option<T> {
+    fn material_of_rest<T>(&mut self, chosen: &PartMaterials, rest: Option<T>) -> Option<T> {
         if rest.is_none() {
             let message = "some triangles of the mesh go by none of these names";
             let label = "they need a `material`";

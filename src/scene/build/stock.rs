@@ -172,7 +172,7 @@ impl Builder<'_> {
 
     /// The parts of a mesh file, made for the first who asks. Each file is
     /// read once, and its mistakes are reported once.
-    pub(super) fn from_file(
+    pub(super) fn file_parts(
         &mut self,
         place: NodeId,
         file: &str,

@@ -153,6 +153,10 @@ pub enum MaterialChoice {
     Inline(MaterialDescription),
 }
 
+/// An object's `materials`: names in a mesh file and what they stand for;
+/// `None` for one that could not be read.
+pub type PartMaterials = Part<Vec<(String, Part<Option<MaterialChoice>>)>>;
+
 /// One entry of `objects`; a part that could not be read is `None`.
 #[derive(Clone, Debug)]
 pub struct ObjectDescription {
@@ -163,7 +167,7 @@ pub struct ObjectDescription {
     /// How it scatters.
     pub material: Option<Part<MaterialChoice>>,
     /// How the parts of a mesh scatter, by the names that its file has.
-    pub materials: Option<Part<Vec<(String, Part<Option<MaterialChoice>>)>>>,
+    pub materials: Option<PartMaterials>,
     /// Steps that place the shape, in order, and where they stand.
     pub at: Option<Part<Vec<Part<TransformStep>>>>,
     /// Whether a refracting surface is meant not to enclose anything.

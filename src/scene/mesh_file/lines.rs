@@ -47,9 +47,8 @@ fn is_continued(text: &[u8]) -> bool {
 /// The spans of the words between `range`'s ends.
 pub(super) fn words(bytes: &[u8], range: Range<usize>, list: &mut Vec<Range<usize>>) {
     let mut start = None;
-    for i in range.start..=range.end {
-        let is_space = i == range.end || bytes[i].is_ascii_whitespace();
-        match (start, is_space) {
+    for (i, byte) in range.clone().zip(&bytes[range.clone()]) {
+        match (start, byte.is_ascii_whitespace()) {
             (None, false) => start = Some(i),
             (Some(s), true) => {
                 list.push(s..i);
@@ -58,6 +57,7 @@ pub(super) fn words(bytes: &[u8], range: Range<usize>, list: &mut Vec<Range<usiz
             _ => {}
         }
     }
+    list.extend(start.map(|s| s..range.end));
 }
 
 /// A finite number.

@@ -180,7 +180,7 @@ fn line(
     let word = |span: &Range<usize>| bytes[span.clone()].to_ascii_lowercase();
     let second = rest.first().map(word).unwrap_or_default();
     let after = match (next, word(keyword).as_slice(), second.as_slice()) {
-        (Next::Solid, b"solid", _) => Next::Facet,
+        (Next::Solid, b"solid", _) | (Next::EndFacet, b"endfacet", _) => Next::Facet,
         (Next::Facet, b"facet", b"normal") => Next::Loop,
         (Next::Facet, b"endsolid", _) => Next::Solid,
         (Next::Loop, b"outer", b"loop") => Next::Vertex(0),
@@ -203,7 +203,6 @@ fn line(
             Next::Vertex(n + 1)
         }
         (Next::Vertex(3), b"endloop", _) => Next::EndFacet,
-        (Next::EndFacet, b"endfacet", _) => Next::Facet,
         _ => return None,
     };
     Some(Ok(after))

@@ -113,7 +113,7 @@ impl Reader<'_> {
             }
             b"f" => self.face(keyword, arguments, polygon)?,
             b"usemtl" => self.say(0, whole(arguments)),
-            b"g" => self.say(1, arguments.to_vec()),
+            b"g" => self.say(1, arguments.iter().cloned()),
             b"o" => self.say(2, whole(arguments)),
             other if SKIPPED.contains(&other) => {}
             other => {
@@ -128,7 +128,7 @@ impl Reader<'_> {
         Ok(())
     }
 
-    fn say(&mut self, level: usize, spans: Vec<Range<usize>>) {
+    fn say(&mut self, level: usize, spans: impl IntoIterator<Item = Range<usize>>) {
         let text = |span| String::from_utf8_lossy(&self.bytes[span]).into_owned();
         let names = spans.into_iter().map(text).collect();
         self.chunk
@@ -190,9 +190,6 @@ impl Reader<'_> {
 }
 
 /// All words as one name, which may have spaces.
-fn whole(words: &[Range<usize>]) -> Vec<Range<usize>> {
-    match (words.first(), words.last()) {
-        (Some(first), Some(last)) => vec![first.start..last.end],
-        _ => vec![],
-    }
+fn whole(words: &[Range<usize>]) -> Option<Range<usize>> {
+    Some(words.first()?.start..words.last()?.end)
 }
