@@ -128,9 +128,10 @@ impl Sheet {
         writeln!(out, "property float y\nproperty float z\nelement face {f}")?;
         writeln!(out, "property list uchar int vertex_indices\nend_header")?;
         for p in self.vertices() {
-            match text {
-                true => writeln!(out, "{} {} {}", p[0], p[1], p[2])?,
-                false => put(out, p.map(f32::to_le_bytes))?,
+            if text {
+                writeln!(out, "{} {} {}", p[0], p[1], p[2])?;
+            } else {
+                put(out, p.map(f32::to_le_bytes))?;
             }
         }
         for t in self.triangles() {

@@ -404,14 +404,17 @@ fn parts_of_a_mesh_have_materials_by_name() {
 /// Many places, one mesh in memory, until somebody wants it otherwise.
 #[test]
 fn instances_share_one_mesh() {
-    let places: String = (0..40)
+    let places: Vec<String> = (0..40)
         .map(|i| {
             let path = ["box.obj", "./box.obj"][i % 2];
+            let turn = format!("(axis: (1, 2, 3), degrees: {i})");
             format!(
-                "(shape: Mesh(file: \"{path}\"), material: Mirror(), at: (rotate: (axis: (1, 2, 3), degrees: {i}), translate: ({i}, 0, 0))),"
+                "(shape: Mesh(file: \"{path}\"), material: Mirror(), \
+                 at: (rotate: {turn}, translate: ({i}, 0, 0))),"
             )
         })
         .collect();
+    let places = places.concat();
     let text = with(&format!(
         "objects: [{places}
             (shape: Mesh(file: \"box.obj\", smooth: true), material: Mirror()),

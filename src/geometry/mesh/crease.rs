@@ -193,7 +193,8 @@ mod tests {
         let n = 200_000u32;
         let mut p = vec![DVec3::Z * 0.2];
         p.extend((0..n).map(|i| {
-            let (s, c) = crate::numeric::trig::sin_cos(f64::from(i) / f64::from(n) * 6.2831853);
+            let (s, c) =
+                crate::numeric::trig::sin_cos(f64::from(i) / f64::from(n) * std::f64::consts::TAU);
             DVec3::new(c, s, 0.0)
         }));
         let t: Vec<_> = (0..n).map(|i| [0, 1 + i, 1 + (i + 1) % n]).collect();
