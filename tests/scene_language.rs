@@ -401,6 +401,42 @@ fn parts_of_a_mesh_have_materials_by_name() {
     assert_eq!(Summary::of(&scene).meshes.len(), 6);
 }
 
+/// A file of several chunks, read by one thread and by five.
+#[test]
+fn threads_do_not_change_a_mesh() {
+    let mut obj = String::new();
+    for i in 0..60_000 {
+        obj += &format!("v {i} {} 0.125\nvn 0 {} 1\n", i % 7, i % 3);
+    }
+    for i in 3..60_000 {
+        obj += &format!(
+            "usemtl {}\nf {} {i}//{} {}//1\n",
+            i % 5,
+            i - 2,
+            i - 1,
+            i + 1
+        );
+    }
+    assert!(obj.len() > 3 << 20, "fewer than three chunks");
+    let read = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+        pool.expect("threads").install(|| {
+            let data = nephroid::scene::mesh_file::parse("a.obj", obj.as_bytes());
+            let data = data.unwrap_or_else(|e| panic!("{}", e.render(false)));
+            let (v, n, t) = (
+                data.vertices.clone(),
+                data.normals.clone(),
+                data.triangles.clone(),
+            );
+            let mesh = nephroid::geometry::TriangleMesh::new(v, n, t).expect("sound");
+            (data, *mesh.defects())
+        })
+    };
+    let (one, five) = (read(1), read(5));
+    assert_eq!(one.1, five.1);
+    assert!(one.0 == five.0, "the numbers differ");
+}
+
 /// Many places, one mesh in memory, until somebody wants it otherwise.
 #[test]
 fn instances_share_one_mesh() {
