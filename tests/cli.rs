@@ -82,7 +82,12 @@ fn number(path: &Path, attribute: &str) -> f64 {
 #[test]
 fn help_and_version() {
     let directory = workplace();
-    for arguments in [&["--help"][..], &["render", "--help"], &["check", "--help"]] {
+    for arguments in [
+        &["--help"][..],
+        &["render", "--help"],
+        &["check", "--help"],
+        &["compare", "--help"],
+    ] {
         let output = run(directory.path(), arguments);
         assert_eq!(code(&output), 0);
         assert!(output.stderr.is_empty());

@@ -1,13 +1,14 @@
 //! The command line: what was typed, what it means, and the calls it leads to.
 //!
-//! `args` and `values` hold what was typed; `render` and `check` resolve it
-//! against the scene and call the library. Words for people go to standard
+//! `args` and `values` hold what was typed; `render`, `check` and `compare`
+//! resolve it and call the library. Words for people go to standard
 //! error, so that standard output carries only data that was asked for
-//! (`--json -`, the verdict of `check`). This is the only room that prints; it
+//! (`--json -`, the verdict of `check`, the table of `compare`). This is the only room that prints; it
 //! never panics because a reader went away.
 
 mod args;
 mod check;
+mod compare;
 mod interrupt;
 mod media;
 mod progress;
@@ -33,6 +34,9 @@ pub(crate) enum Exit {
     BadInput = 2,
     /// Interrupted; what was reached is saved.
     Interrupted = 3,
+    /// Pictures were compared, and a bound that was demanded does not hold. A
+    /// code of its own, so that a script can tell it from a failure.
+    OutOfBounds = 5,
 }
 
 impl From<Exit> for ExitCode {
@@ -94,6 +98,7 @@ pub(crate) fn main() -> Exit {
     let done = match &typed.command {
         args::Command::Render(typed) => render::run(typed),
         args::Command::Check(typed) => check::run(typed),
+        args::Command::Compare(typed) => compare::run(typed),
     };
     done.unwrap_or_else(|failure| {
         tell(failure.message.trim_end());

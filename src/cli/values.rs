@@ -6,6 +6,9 @@ use std::{
     time::Duration,
 };
 
+use clap::ValueEnum;
+use nephroid::metrics::{Map, Metric};
+
 /// Largest picture side that is understood; far beyond what memory allows, and
 /// small enough for every format.
 const LONGEST_SIDE: u32 = 1 << 20;
@@ -124,6 +127,78 @@ pub(crate) fn crop(text: &str) -> Result<Crop, String> {
     })
 }
 
+/// A rectangle such as `100,50,320x240` or `100,50,320,240`.
+pub(crate) fn region(text: &str) -> Result<Crop, String> {
+    match text.rsplit_once(',') {
+        Some((front, height)) if text.matches(',').count() == 3 => {
+            crop(&format!("{front}x{height}"))
+        }
+        _ => crop(text),
+    }
+}
+
+/// A metric and the value that it may reach.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Bound {
+    pub(crate) metric: Metric,
+    pub(crate) value: f64,
+}
+
+/// The name of a metric.
+pub(crate) fn metric(text: &str) -> Result<Metric, String> {
+    let mut all = Metric::ALL.into_iter();
+    all.find(|metric| metric.name() == text).ok_or_else(|| {
+        let names = Metric::ALL.map(Metric::name).join(", ");
+        format!("there is no such metric; use one of {names}")
+    })
+}
+
+/// A bound such as `relmse=0.0025`.
+pub(crate) fn bound(text: &str) -> Result<Bound, String> {
+    let expected = || "expected a metric and a number such as relmse=0.0025".to_owned();
+    let (name, value) = text.split_once('=').ok_or_else(expected)?;
+    Ok(Bound {
+        metric: metric(name.trim())?,
+        value: finite(value.trim()).map_err(|_| expected())?,
+    })
+}
+
+/// A finite number.
+pub(crate) fn finite(text: &str) -> Result<f64, String> {
+    let value = text.parse::<f64>().ok().filter(|v| v.is_finite());
+    value.ok_or_else(|| "expected a number".to_owned())
+}
+
+/// A finite number above zero.
+pub(crate) fn positive(text: &str) -> Result<f64, String> {
+    let value = finite(text).ok().filter(|v| *v > 0.0);
+    value.ok_or_else(|| "expected a number above zero".to_owned())
+}
+
+/// The errors that can be drawn.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum MapKind {
+    /// What a screen shows, as the eye sees it (LDR-FLIP)
+    Flip,
+    /// The same over all exposures (HDR-FLIP; EXR only)
+    HdrFlip,
+    /// Root of the squared relative error: 0.05 is 5 %
+    Relmse,
+    /// Absolute difference
+    Abs,
+}
+
+impl From<MapKind> for Map {
+    fn from(kind: MapKind) -> Self {
+        match kind {
+            MapKind::Flip => Self::Flip,
+            MapKind::HdrFlip => Self::HdrFlip,
+            MapKind::Relmse => Self::RelMse,
+            MapKind::Abs => Self::Abs,
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -195,5 +270,39 @@ mod tests {
         for text in ["10,0", "10,0,3", "10,0,3x0", "-1,0,3x3", "1,2,3x4,5", ""] {
             assert!(crop(text).is_err(), "{text}");
         }
+    }
+
+    #[test]
+    fn regions_are_crops_in_either_notation() {
+        let expected = crop("10,0,3x4");
+        assert!(expected.is_ok());
+        assert_eq!(region("10,0,3x4"), expected);
+        assert_eq!(region("10,0,3,4"), expected);
+        for text in [
+            "10,0,3",
+            "10,0,3,0",
+            "1,2,3,4,5",
+            "1,2,3x4,5",
+            "a,0,3,4",
+            "",
+        ] {
+            assert!(region(text).is_err(), "{text}");
+        }
+    }
+
+    #[test]
+    fn bounds() {
+        for metric in Metric::ALL {
+            let text = format!("{}=-1e-3", metric.name());
+            let value = -1e-3;
+            assert_eq!(bound(&text), Ok(Bound { metric, value }));
+        }
+        for text in [
+            "rmse", "rmse=", "rmse=x", "rmse=nan", "rmse=inf", "=1", "rms=1", "",
+        ] {
+            assert!(bound(text).is_err(), "{text}");
+        }
+        assert!(bound("rms=1").unwrap_err().contains("hdr-flip"));
+        assert!(positive("0").is_err() && positive("-1").is_err() && positive("inf").is_err());
     }
 }

@@ -16,15 +16,10 @@
 //!
 //! and whatever else the caller adds.
 
-use std::{
-    fs::File,
-    io::{BufReader, Cursor},
-    path::{Path, PathBuf},
-};
+use std::{io::Cursor, path::Path};
 
 use exr::prelude as ox;
-use exr::prelude::{ReadChannels as _, ReadLayers as _, WritableImage as _};
-use thiserror::Error;
+use exr::prelude::WritableImage as _;
 
 use super::{
     accumulator::Film,
@@ -32,7 +27,6 @@ use super::{
     image::Image,
     layer::Layer,
 };
-use crate::spectrum::Rgb;
 
 /// Where the rendered rectangle lies in the whole picture, in pixels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -96,29 +90,6 @@ impl Provenance {
         all.extend(self.further.iter().cloned());
         all
     }
-}
-
-/// Why a picture could not be read.
-#[derive(Debug, Error)]
-pub enum ReadError {
-    /// The file is missing, damaged, or of a kind that is not supported.
-    #[error("cannot read {}: {reason}", .path.display())]
-    File {
-        /// The file.
-        path: PathBuf,
-        /// What is wrong with it.
-        reason: String,
-    },
-    /// The file has no such colour layer.
-    #[error("cannot read {}: no channels {prefix}R, {prefix}G, {prefix}B among {}", .path.display(), .found.join(", "))]
-    NoSuchLayer {
-        /// The file.
-        path: PathBuf,
-        /// What stands before R, G and B: nothing or `layer.`.
-        prefix: String,
-        /// The channels there are.
-        found: Vec<String>,
-    },
 }
 
 /// Writes the picture and the four layers of `film` to `path`, whole or not at
@@ -201,72 +172,6 @@ pub fn encode_exr(
     let mut bytes = bytes.into_inner();
     sort_header(&mut bytes).ok_or("the encoder produced a header that cannot be read back")?;
     Ok(bytes)
-}
-
-/// Reads the colour layer `layer` of an EXR file (`""` for the picture itself)
-/// with half or single precision channels.
-///
-/// # Errors
-/// See [`ReadError`].
-pub fn read_exr(path: &Path, layer: &str) -> Result<Image, ReadError> {
-    let refuse = |reason: String| ReadError::File {
-        path: path.to_owned(),
-        reason,
-    };
-    let file = File::open(path).map_err(|e| refuse(e.to_string()))?;
-    let picture = ox::read()
-        .no_deep_data()
-        .largest_resolution_level()
-        .all_channels()
-        .all_layers()
-        .all_attributes()
-        .from_buffered(BufReader::new(file))
-        .map_err(|e| refuse(e.to_string()))?;
-    let prefix = if layer.is_empty() {
-        String::new()
-    } else {
-        format!("{layer}.")
-    };
-    let names = ["R", "G", "B"].map(|c| format!("{prefix}{c}"));
-    for part in &picture.layer_data {
-        let find = |name: &String| {
-            let mut list = part.channel_data.list.iter();
-            list.find(|channel| channel.name.to_string() == *name)
-        };
-        if let [Some(r), Some(g), Some(b)] = names.each_ref().map(find) {
-            return join(part.size, [r, g, b]).map_err(refuse);
-        }
-    }
-    let found = picture
-        .layer_data
-        .iter()
-        .flat_map(|part| &part.channel_data.list)
-        .map(|channel| channel.name.to_string())
-        .collect();
-    Err(ReadError::NoSuchLayer {
-        path: path.to_owned(),
-        prefix,
-        found,
-    })
-}
-
-fn join(
-    size: ox::Vec2<usize>,
-    planes: [&ox::AnyChannel<ox::FlatSamples>; 3],
-) -> Result<Image, String> {
-    let too_big = |_| "the picture is too large".to_owned();
-    let width = u32::try_from(size.0).map_err(too_big)?;
-    let height = u32::try_from(size.1).map_err(too_big)?;
-    let mut pixels = vec![Rgb::BLACK; size.0 * size.1];
-    for (c, plane) in planes.into_iter().enumerate() {
-        if plane.sample_data.len() != pixels.len() {
-            return Err(format!("the channel {} is subsampled", plane.name));
-        }
-        for (pixel, value) in pixels.iter_mut().zip(plane.sample_data.values_as_f32()) {
-            pixel.0[c] = f64::from(value);
-        }
-    }
-    Ok(Image::new(width, height, pixels))
 }
 
 /// The three channels of a layer, as single precision planes.

@@ -11,15 +11,17 @@
 mod accumulator;
 pub mod atomic;
 mod exr_file;
+mod exr_read;
 mod image;
 mod layer;
 mod png_file;
 
 pub use accumulator::{Film, MergeError, REPLICATES};
 pub use atomic::OutputError;
-pub use exr_file::{
-    Attribute, Provenance, ReadError, Window, encode_exr, read_exr, write_exr, write_film,
-};
+pub use exr_file::{Attribute, Provenance, Window, encode_exr, write_exr, write_film};
+pub use exr_read::{ReadError, read_exr, read_exr_layers};
 pub use image::Image;
 pub use layer::{Layer, PixelSample};
-pub use png_file::{encode_png, exposure_factor, srgb_byte, write_png};
+pub use png_file::{
+    encode_png, exposure_factor, read_png, srgb_byte, srgb_code, srgb_linear, write_png,
+};

@@ -5,16 +5,21 @@
 //! exceeds the exposure's white clips channel by channel, so that brightness
 //! differences below white stay true. The transfer curve is IEC 61966-2-1.
 
-use std::{io::Cursor, path::Path};
+use std::{
+    fs::File,
+    io::{BufReader, Cursor},
+    path::Path,
+};
 
-use image::{ExtendedColorType, ImageEncoder, codecs::png::PngEncoder};
+use image::{ExtendedColorType, ImageEncoder, ImageFormat, ImageReader, codecs::png::PngEncoder};
 use rayon::prelude::*;
 
 use super::{
     atomic::{OutputError, write_whole},
+    exr_read::ReadError,
     image::Image,
 };
-use crate::numeric::trig::pow;
+use crate::{numeric::trig::pow, spectrum::Rgb};
 
 /// The linear value that the mean of a picture takes when no exposure is given:
 /// the reflectance that photography calls middle grey.
@@ -43,14 +48,28 @@ pub fn exposure_factor(image: &Image, stops: Option<f64>) -> f64 {
 /// The sRGB code of a linear value: clipped to 0..=1, through the transfer
 /// curve, rounded to the nearest of 0..=255. NaN becomes 0.
 pub fn srgb_byte(linear: f64) -> u8 {
+    // 0..=255 by construction.
+    (srgb_code(linear) * 255.0).round() as u8
+}
+
+/// The sRGB code in 0..=1 of a linear value: clipped to 0..=1, through the
+/// transfer curve. NaN becomes 0.
+pub fn srgb_code(linear: f64) -> f64 {
     let v = if linear > 0.0 { linear.min(1.0) } else { 0.0 };
-    let coded = if v <= 0.0031308 {
+    if v <= 0.0031308 {
         12.92 * v
     } else {
         1.055 * pow(v, 1.0 / 2.4) - 0.055
-    };
-    // 0..=255 by construction.
-    (coded * 255.0).round() as u8
+    }
+}
+
+/// The linear value of an sRGB code in 0..=1.
+pub fn srgb_linear(code: f64) -> f64 {
+    if code <= 0.04045 {
+        code / 12.92
+    } else {
+        pow((code + 0.055) / 1.055, 2.4)
+    }
 }
 
 /// The bytes of a PNG of `image`, exposed by `stops` (see
@@ -90,10 +109,58 @@ pub fn write_png(path: &Path, image: &Image, stops: Option<f64>) -> Result<(), O
     write_whole(path, |file| file.write_all(&bytes))
 }
 
+/// Reads a PNG of 8 or 16 bits per channel as linear values in 0..=1. The
+/// codes are taken for sRGB, whatever profile the file names; a grey picture
+/// has three equal channels.
+///
+/// # Errors
+/// [`ReadError::File`] for a file that is missing, damaged or larger than the
+/// decoder's limit (512 MiB), and for a picture with transparent pixels, whose
+/// colour depends on what lies behind.
+pub fn read_png(path: &Path) -> Result<Image, ReadError> {
+    decode_png(path).map_err(|reason| ReadError::File {
+        path: path.to_owned(),
+        reason,
+    })
+}
+
+fn decode_png(path: &Path) -> Result<Image, String> {
+    let file = File::open(path).map_err(|e| e.to_string())?;
+    let decoder = ImageReader::with_format(BufReader::new(file), ImageFormat::Png);
+    // Eight bits become sixteen without loss: the factor is 257.
+    let codes = decoder.decode().map_err(|e| e.to_string())?.into_rgba16();
+    if codes.pixels().any(|p| p[3] != u16::MAX) {
+        return Err("it has transparent pixels; flatten it first".to_owned());
+    }
+    let linear = |code: u16| srgb_linear(f64::from(code) / f64::from(u16::MAX));
+    let pixels = codes
+        .pixels()
+        .map(|p| Rgb::new(linear(p[0]), linear(p[1]), linear(p[2])));
+    Ok(Image::new(codes.width(), codes.height(), pixels.collect()))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::spectrum::Rgb;
+
+    /// Each of the 256 codes, written and read, is the code it was, and the
+    /// curve's ends and its knee are where the standard has them.
+    #[test]
+    fn what_is_written_is_read() {
+        let directory = tempfile::tempdir().unwrap();
+        let path = directory.path().join("codes.png");
+        let pixel = |x: u32, y: u32| {
+            let code = |k: u32| srgb_linear(f64::from(k % 256) / 255.0);
+            Rgb::new(code(x + 16 * y), code(x + 16 * y + 77), code(3 * x + y))
+        };
+        let image = Image::from_fn(16, 16, pixel);
+        write_png(&path, &image, Some(0.0)).unwrap();
+        assert_eq!(read_png(&path).unwrap(), image);
+        assert_eq!((srgb_linear(0.0), srgb_linear(1.0)), (0.0, 1.0));
+        assert!((srgb_linear(0.5) - 0.214_041_140_482_232_55).abs() < 1e-15);
+        assert!((srgb_linear(0.04) - 0.04 / 12.92).abs() < 1e-17);
+        assert!((srgb_code(0.214_041_140_482_232_55) - 0.5).abs() < 1e-15);
+    }
 
     /// Codes of the standard: linear values whose codes are tabulated.
     #[test]

@@ -8,6 +8,7 @@
 
 use thiserror::Error;
 
+use super::plane::{Plane, mean};
 use crate::{film::Image, spectrum::Rgb};
 
 /// Weight of the squared mean in the denominator of relMSE.
@@ -24,14 +25,13 @@ pub struct SizeMismatch {
 }
 
 /// Relative mean squared error of `image` against `reference`; see the
-/// module's text. Not a number for images without pixels or a black reference
-/// that is matched exactly.
+/// module's text. Zero where they agree, even in the dark; not a number for
+/// images without pixels, infinite for a black reference that is not met.
 ///
 /// # Errors
 /// If the sizes differ.
 pub fn relmse(image: &Image, reference: &Image) -> Result<f64, SizeMismatch> {
-    let errors = relative_errors(image, reference)?;
-    Ok(mean(errors.iter().map(|e| e.mean())))
+    Ok(relative_errors(image, reference)?.mean())
 }
 
 /// As [`relmse`], without the worst pixels: the squared relative errors are
@@ -46,12 +46,7 @@ pub fn relmse_trimmed(
     fraction: f64,
 ) -> Result<f64, SizeMismatch> {
     let errors = relative_errors(image, reference)?;
-    let mut errors: Vec<f64> = errors.iter().map(|e| e.mean()).collect();
-    errors.sort_by(f64::total_cmp);
-    // Rounded down, as the definition has it.
-    let kept = (errors.len() as f64 * (1.0 - fraction)) as usize;
-    errors.truncate(kept.max(1));
-    Ok(mean(errors.into_iter()))
+    Ok(trimmed_mean(errors.values().to_vec(), fraction))
 }
 
 /// Root of the mean squared difference over pixels and channels, in the unit of
@@ -60,9 +55,16 @@ pub fn relmse_trimmed(
 /// # Errors
 /// If the sizes differ.
 pub fn rmse(image: &Image, reference: &Image) -> Result<f64, SizeMismatch> {
-    check_sizes(image, reference)?;
-    let squares = pairs(image, reference).map(|(x, r)| (x - r).map(|d| d * d).mean());
-    Ok(mean(squares).sqrt())
+    Ok(squared_errors(image, reference)?.mean().sqrt())
+}
+
+/// Mean absolute difference over pixels and channels, in the unit of the
+/// images.
+///
+/// # Errors
+/// If the sizes differ.
+pub fn mae(image: &Image, reference: &Image) -> Result<f64, SizeMismatch> {
+    Ok(absolute_errors(image, reference)?.mean())
 }
 
 /// Mean of `image` over mean of `reference`, both over pixels and channels: 1
@@ -75,30 +77,65 @@ pub fn mean_ratio(image: &Image, reference: &Image) -> Result<f64, SizeMismatch>
     Ok(image.mean().mean() / reference.mean().mean())
 }
 
-fn relative_errors(image: &Image, reference: &Image) -> Result<Vec<Rgb>, SizeMismatch> {
-    check_sizes(image, reference)?;
+/// Each pixel's squared relative error, averaged over its channels: the mean of
+/// the plane is [`relmse`].
+///
+/// # Errors
+/// If the sizes differ.
+pub fn relative_errors(image: &Image, reference: &Image) -> Result<Plane, SizeMismatch> {
     let mean = reference.mean().mean();
     let floor = MEAN_WEIGHT * mean * mean;
-    let error = |x: f64, r: f64| (x - r) * (x - r) / (r * r + floor);
-    Ok(pairs(image, reference)
-        .map(|(x, r)| Rgb::new(error(x[0], r[0]), error(x[1], r[1]), error(x[2], r[2])))
-        .collect())
+    by_pixel(image, reference, |x, r| {
+        // Where both are black, a black reference would divide nought by nought.
+        if x == r {
+            0.0
+        } else {
+            (x - r) * (x - r) / (r * r + floor)
+        }
+    })
 }
 
-fn pairs<'a>(
-    image: &'a Image,
-    reference: &'a Image,
-) -> impl ExactSizeIterator<Item = (Rgb, Rgb)> + 'a {
+/// Each pixel's squared difference, averaged over its channels.
+///
+/// # Errors
+/// If the sizes differ.
+pub fn squared_errors(image: &Image, reference: &Image) -> Result<Plane, SizeMismatch> {
+    by_pixel(image, reference, |x, r| (x - r) * (x - r))
+}
+
+/// Each pixel's absolute difference, averaged over its channels.
+///
+/// # Errors
+/// If the sizes differ.
+pub fn absolute_errors(image: &Image, reference: &Image) -> Result<Plane, SizeMismatch> {
+    by_pixel(image, reference, |x, r| (x - r).abs())
+}
+
+fn by_pixel(
+    image: &Image,
+    reference: &Image,
+    error: impl Fn(f64, f64) -> f64,
+) -> Result<Plane, SizeMismatch> {
+    check_sizes(image, reference)?;
     let both = image.pixels().iter().zip(reference.pixels());
-    both.map(|(&x, &r)| (x, r))
+    let values = both.map(|(x, r)| {
+        let channels: [f64; 3] = std::array::from_fn(|c| error(x[c], r[c]));
+        Rgb(channels).mean()
+    });
+    let (width, height) = (image.width() as usize, image.height() as usize);
+    Ok(Plane::new(width, height, values.collect()))
 }
 
-fn mean(values: impl ExactSizeIterator<Item = f64>) -> f64 {
-    let count = values.len() as f64;
-    values.sum::<f64>() / count
+/// The mean without the largest `fraction` of the values; at least one stays.
+pub(super) fn trimmed_mean(mut values: Vec<f64>, fraction: f64) -> f64 {
+    values.sort_by(f64::total_cmp);
+    // Rounded down, as the definition has it.
+    let kept = (values.len() as f64 * (1.0 - fraction)) as usize;
+    values.truncate(kept.max(1));
+    mean(&values)
 }
 
-fn check_sizes(image: &Image, reference: &Image) -> Result<(), SizeMismatch> {
+pub(super) fn check_sizes(image: &Image, reference: &Image) -> Result<(), SizeMismatch> {
     let sizes = SizeMismatch {
         image: [image.width(), image.height()],
         reference: [reference.width(), reference.height()],
@@ -153,7 +190,16 @@ mod tests {
             rmse(&image, &reference).unwrap(),
             ((1.0 + 0.04 + 9.0) / 6.0f64).sqrt(),
         );
+        close(mae(&image, &reference).unwrap(), (1.0 + 0.2 + 3.0) / 6.0);
         close(mean_ratio(&image, &reference).unwrap(), 10.2 / 12.0);
+    }
+
+    #[test]
+    fn a_black_reference_can_be_met() {
+        let black = row(&[[0.0; 3]; 2]);
+        assert_eq!(relmse(&black, &black), Ok(0.0));
+        let glint = row(&[[0.0; 3], [0.0, 1e-9, 0.0]]);
+        assert_eq!(relmse(&glint, &black), Ok(f64::INFINITY));
     }
 
     #[test]
@@ -188,6 +234,7 @@ mod tests {
         assert_eq!(relmse(&wide, &high), expected);
         assert_eq!(relmse_trimmed(&wide, &high, 0.1), expected);
         assert_eq!(rmse(&wide, &high), expected);
+        assert_eq!(mae(&wide, &high), expected);
         assert_eq!(mean_ratio(&wide, &high), expected);
     }
 }
