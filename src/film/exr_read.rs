@@ -1,4 +1,4 @@
-//! Reading OpenEXR: any file of flat parts, of which the colour layers are
+//! Reading EXR: any file of flat parts, of which the colour layers are
 //! taken.
 //!
 //! A colour layer is three channels `R`, `G`, `B` with nothing or one prefix

@@ -14,7 +14,7 @@ use super::{
     plane::{Plane, Region, mean},
     ssim::Ssim,
 };
-use crate::film::Image;
+use crate::{film::Image, spectrum::Rgb};
 
 /// Share of the worst pixels that the trimmed relMSE leaves out.
 const TRIMMED: f64 = 0.001;
@@ -147,7 +147,7 @@ impl Comparison {
             squared: squared_errors(image, reference)?,
             absolute: absolute_errors(image, reference)?,
             relative: relative_errors(image, reference)?,
-            means: [image, reference].map(|picture| Plane::of(picture, |p| p.mean())),
+            means: [image, reference].map(|picture| Plane::of(picture, Rgb::mean)),
             ssim,
             flip,
             hdr_flip,
@@ -217,7 +217,7 @@ fn high_range(image: &Image, reference: &Image) -> Result<Option<Plane>, SizeMis
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{metrics, spectrum::Rgb};
+    use crate::metrics;
 
     const LIGHT: Light = Light::Radiance { exposure: 0.25 };
 

@@ -17,10 +17,13 @@ pub(super) fn kernel(radius: usize, f: impl Fn(f64) -> f64) -> Vec<f64> {
 
 /// A Gaussian exp(-x^2 / (2 sigma^2)) with its weights' sum scaled to one.
 pub(super) fn gaussian(radius: usize, sigma: f64) -> Vec<f64> {
-    let mut weights = kernel(radius, |x| exp(-x * x / (2.0 * sigma * sigma)));
+    normalized(kernel(radius, |x| exp(-x * x / (2.0 * sigma * sigma)))).0
+}
+
+/// The weights scaled to a sum of one, and the sum that they had.
+pub(super) fn normalized(weights: Vec<f64>) -> (Vec<f64>, f64) {
     let sum: f64 = weights.iter().sum();
-    weights.iter_mut().for_each(|w| *w /= sum);
-    weights
+    (weights.into_iter().map(|w| w / sum).collect(), sum)
 }
 
 /// The plane filtered along its rows by `across` and along its columns by

@@ -14,7 +14,7 @@ use std::f64::consts::{FRAC_1_SQRT_2, PI};
 use rayon::prelude::*;
 
 use super::{
-    convolve::{along_columns, along_rows, convolve, gaussian, kernel},
+    convolve::{along_columns, along_rows, convolve, gaussian, kernel, normalized},
     image_error::{SizeMismatch, check_sizes},
     opponent::{colour_difference, from_opponent, hunt_lab, luminance, opponent},
     plane::Plane,
@@ -113,9 +113,7 @@ fn blur(plane: &Plane, terms: &[Term]) -> Plane {
     let radius = reach.ceil() as usize;
     let filters = terms.iter().map(|term| {
         let exponent = PI * PI / (term.b * PIXELS_PER_DEGREE * PIXELS_PER_DEGREE);
-        let mut weights = kernel(radius, |x| exp(-x * x * exponent));
-        let sum: f64 = weights.iter().sum();
-        weights.iter_mut().for_each(|w| *w /= sum);
+        let (weights, sum) = normalized(kernel(radius, |x| exp(-x * x * exponent)));
         (term.a * (PI / term.b).sqrt() * sum * sum, weights)
     });
     let filters: Vec<(f64, Vec<f64>)> = filters.collect();

@@ -149,7 +149,8 @@ mod tests {
         assert!(apart <= tolerance, "{a:?} {b:?}");
     }
 
-    /// IEC 61966-2-1 prints the matrix with four digits.
+    /// The standard prints four digits, for a white of four digits; the
+    /// published tool has fractions, of which those of the luminance are here.
     #[test]
     fn the_matrix_is_that_of_srgb() {
         let printed = [
@@ -158,8 +159,10 @@ mod tests {
             [0.0193, 0.1192, 0.9505],
         ];
         for (row, expected) in TO_XYZ.iter().zip(printed) {
-            close(*row, expected, 0.5e-4 + 1e-12);
+            close(*row, expected, 2e-4);
         }
+        let fractions = [2613072.0, 8788810.0, 887015.0].map(|n: f64| n / 12288897.0);
+        close(TO_XYZ[1], fractions, 1e-14);
     }
 
     #[test]
