@@ -98,12 +98,6 @@ pub fn pow(x: f64, y: f64) -> f64 {
     libm::pow(x, y)
 }
 
-/// e to the power `x`.
-#[inline]
-pub fn exp(x: f64) -> f64 {
-    libm::exp(x)
-}
-
 /// Two to the power `x`.
 #[inline]
 pub fn exp2(x: f64) -> f64 {
