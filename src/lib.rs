@@ -2,6 +2,7 @@
 //! costs in time.
 
 pub mod camera;
+pub mod design;
 pub mod film;
 pub mod formula;
 pub mod geometry;

@@ -1,15 +1,17 @@
 //! The command line: what was typed, what it means, and the calls it leads to.
 //!
-//! `args` and `values` hold what was typed; `render`, `check` and `compare`
-//! resolve it and call the library. Words for people go to standard
+//! `args` and `values` hold what was typed; `render`, `check`, `compare` and
+//! `lens` resolve it and call the library. Words for people go to standard
 //! error, so that standard output carries only data that was asked for
-//! (`--json -`, the verdict of `check`, the table of `compare`). This is the only room that prints; it
+//! (`--json -`, the verdict of `check`, the table of `compare`, the object of
+//! `lens`). This is the only room that prints; it
 //! never panics because a reader went away.
 
 mod args;
 mod check;
 mod compare;
 mod interrupt;
+mod lens;
 mod media;
 mod progress;
 mod render;
@@ -99,6 +101,7 @@ pub(crate) fn main() -> Exit {
         args::Command::Render(typed) => render::run(typed),
         args::Command::Check(typed) => check::run(typed),
         args::Command::Compare(typed) => compare::run(typed),
+        args::Command::Lens(typed) => lens::run(typed),
     };
     done.unwrap_or_else(|failure| {
         tell(failure.message.trim_end());

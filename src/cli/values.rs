@@ -111,6 +111,38 @@ pub(crate) fn resolution(text: &str) -> Result<[u32; 2], String> {
     Ok([side(width)?, side(height)?])
 }
 
+/// A number of metres.
+pub(crate) fn length(text: &str) -> Result<f64, String> {
+    between(text, 1e-6, 1e6, "a length in metres such as 0.3")
+}
+
+/// How many times larger a picture is than its lens.
+pub(crate) fn magnification(text: &str) -> Result<f64, String> {
+    between(text, 0.01, 100.0, "a factor such as 1.5")
+}
+
+/// An index of refraction that refracts.
+pub(crate) fn index(text: &str) -> Result<f64, String> {
+    between(text, 1.01, 10.0, "an index of refraction such as 1.5")
+}
+
+/// A least brightness.
+pub(crate) fn darkest(text: &str) -> Result<f64, String> {
+    between(
+        text,
+        0.005,
+        1.0,
+        "a part of the greatest brightness such as 0.05",
+    )
+}
+
+fn between(text: &str, least: f64, most: f64, what: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(value) if (least..=most).contains(&value) => Ok(value),
+        _ => Err(format!("expected {what}, from {least} to {most}")),
+    }
+}
+
 /// A rectangle such as `100,50,320x240`.
 pub(crate) fn crop(text: &str) -> Result<Crop, String> {
     let expected = || {
@@ -245,6 +277,18 @@ mod tests {
         let defaults = default_outputs(Path::new("scenes/two.lenses.ron"));
         let paths: Vec<_> = defaults.iter().map(|o| o.path.to_str().unwrap()).collect();
         assert_eq!(paths, ["two.lenses.exr", "two.lenses.png"]);
+    }
+
+    #[test]
+    fn numbers_have_limits() {
+        assert_eq!(length("0.3"), Ok(0.3));
+        assert_eq!(magnification("2"), Ok(2.0));
+        for text in ["0", "-1", "nan", "inf", "1e9", "0.3m", ""] {
+            assert!(length(text).is_err(), "{text}");
+            assert!(index(text).is_err(), "{text}");
+            assert!(darkest(text).is_err(), "{text}");
+        }
+        assert!(darkest("0.004").unwrap_err().contains("0.005"));
     }
 
     #[test]

@@ -200,7 +200,7 @@ fn channels(name: &str, image: &Image) -> [ox::AnyChannel<ox::FlatSamples>; 3] {
     })
 }
 
-fn layer_attributes(
+pub(super) fn layer_attributes(
     window: Window,
     attributes: &[(String, Attribute)],
 ) -> Result<ox::LayerAttributes, String> {
@@ -239,7 +239,7 @@ fn latin_1(text: &str) -> ox::Text {
 /// Layout (file layout of the format's own documentation, section "Header"): magic number and version of 4 bytes each,
 /// then per attribute a name and a type, both ended by a zero byte, a 4-byte
 /// little-endian size and that many bytes of value; a zero byte ends the list.
-fn sort_header(file: &mut [u8]) -> Option<()> {
+pub(super) fn sort_header(file: &mut [u8]) -> Option<()> {
     const START: usize = 8;
     let mut attributes: Vec<Vec<u8>> = Vec::new();
     let mut at = START;

@@ -12,6 +12,7 @@ mod accumulator;
 pub mod atomic;
 mod exr_file;
 mod exr_read;
+mod heights_file;
 mod image;
 mod layer;
 mod png_file;
@@ -20,8 +21,7 @@ pub use accumulator::{Film, MergeError, REPLICATES};
 pub use atomic::OutputError;
 pub use exr_file::{Attribute, Provenance, Window, encode_exr, write_exr, write_film};
 pub use exr_read::{ReadError, read_exr, read_exr_layers};
+pub use heights_file::{encode_heights, write_heights};
 pub use image::Image;
 pub use layer::{Layer, PixelSample};
-pub use png_file::{
-    encode_png, exposure_factor, read_png, srgb_byte, srgb_code, srgb_linear, write_png,
-};
+pub use png_file::{encode_png, exposure_factor, read_png, srgb_byte, write_png};

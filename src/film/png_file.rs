@@ -19,7 +19,10 @@ use super::{
     exr_read::ReadError,
     image::Image,
 };
-use crate::{numeric::trig::pow, spectrum::Rgb};
+use crate::{
+    numeric::trig::pow,
+    spectrum::{Rgb, srgb_code, srgb_linear},
+};
 
 /// The linear value that the mean of a picture takes when no exposure is given:
 /// the reflectance that photography calls middle grey.
@@ -50,26 +53,6 @@ pub fn exposure_factor(image: &Image, stops: Option<f64>) -> f64 {
 pub fn srgb_byte(linear: f64) -> u8 {
     // 0..=255 by construction.
     (srgb_code(linear) * 255.0).round() as u8
-}
-
-/// The sRGB code in 0..=1 of a linear value: clipped to 0..=1, through the
-/// transfer curve. NaN becomes 0.
-pub fn srgb_code(linear: f64) -> f64 {
-    let v = if linear > 0.0 { linear.min(1.0) } else { 0.0 };
-    if v <= 0.0031308 {
-        12.92 * v
-    } else {
-        1.055 * pow(v, 1.0 / 2.4) - 0.055
-    }
-}
-
-/// The linear value of an sRGB code in 0..=1.
-pub fn srgb_linear(code: f64) -> f64 {
-    if code <= 0.04045 {
-        code / 12.92
-    } else {
-        pow((code + 0.055) / 1.055, 2.4)
-    }
 }
 
 /// The bytes of a PNG of `image`, exposed by `stops` (see

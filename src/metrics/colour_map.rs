@@ -1,6 +1,6 @@
 //! Colours for numbers: dark for little, bright for much.
 
-use crate::{film::srgb_linear, spectrum::Rgb};
+use crate::spectrum::{Rgb, srgb_linear};
 
 /// The colour map *magma* (S. van der Walt, N. Smith, 2015, in matplotlib):
 /// even steps of the number are even steps for the eye, also in grey and for

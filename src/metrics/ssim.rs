@@ -7,7 +7,7 @@ use super::{
     image_error::{SizeMismatch, check_sizes},
     plane::{Plane, Region},
 };
-use crate::film::{Image, srgb_code};
+use crate::{film::Image, spectrum::srgb_code};
 
 /// Weight of the constant that steadies the luminance (section III-B).
 const K1: f64 = 0.01;

@@ -1,6 +1,6 @@
 //! Floating point: counted error bounds, stable roots, frames, exact sums,
-//! intervals that contain the truth, and the transcendental functions whose
-//! bits reach pixels.
+//! intervals that contain the truth, splines, and the transcendental functions
+//! whose bits reach pixels.
 //!
 //! Conventions: `U` is the unit roundoff of `f64` (2^-53). A bound is always
 //! an absolute error unless its name ends in `_rel`. Nothing in this room
@@ -13,6 +13,7 @@ pub mod interval;
 pub mod polynomial;
 pub mod products;
 pub mod quadratic;
+pub mod spline;
 pub mod trig;
 pub mod vector_pair;
 
@@ -22,4 +23,5 @@ pub use frame::Frame;
 pub use interval::Interval;
 pub use products::{difference_of_products, two_product, two_sum};
 pub use quadratic::{Roots, quadratic};
+pub use spline::SplineSurface;
 pub use vector_pair::VectorPair;

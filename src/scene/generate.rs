@@ -1,5 +1,7 @@
 //! Meshes made from a few numbers.
 
+mod height_field;
+
 use std::f64::consts::TAU;
 
 use glam::DVec3;
@@ -9,6 +11,8 @@ use super::{
     mesh_file::{MeshData, Names},
 };
 use crate::numeric::trig::sin_cos;
+
+pub use height_field::{Grid, Height, height_field};
 
 /// Most triangles a generator makes.
 pub const MAX_TRIANGLES: u64 = 50_000_000;

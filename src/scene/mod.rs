@@ -8,14 +8,16 @@
 //! fail.
 //!
 //! Limits: lengths lie between 1e-12 and 1e12 metres, scene files have at
-//! most 64 MiB and four million values, mesh files at most 8 GiB, generated
-//! meshes at most 50 million triangles in a scene, images 2^28 pixels.
+//! most 64 MiB and four million values, mesh files at most 8 GiB, images of
+//! heights at most 2^24 pixels, generated meshes at most 50 million triangles
+//! in a scene, pictures 2^28 pixels.
 
 mod build;
 mod decode;
 pub mod description;
 pub mod diagnostics;
 pub mod generate;
+pub mod image_file;
 mod literal;
 mod load;
 pub mod mesh_file;

@@ -27,8 +27,8 @@ pub(super) fn expectation(field: &str) -> Option<&'static str> {
         "rotate" => "`(axis: (x, y, z), degrees: ..)`, or a list of rotations",
         "degrees" => "an angle in degrees",
         "fov" => "the vertical field of view in degrees, between 0 and 180",
-        "radius" | "tube" | "height" | "width" | "top_radius" | "end_radius" | "waist"
-        | "major" | "minor" | "thickness" | "aperture" => "a number above 0",
+        "radius" | "tube" | "height" | "width" | "depth" | "top_radius" | "end_radius"
+        | "waist" | "major" | "minor" | "thickness" | "aperture" => "a number above 0",
         "inner" | "outer" => "a half-angle in degrees, from 0 to 180",
         "angular_diameter" => "an angle in degrees, from 0 to below 180",
         "reflectance" => "a colour from 0 to 1: a number, `(r, g, b)` or \"#rrggbb\"",
@@ -40,6 +40,9 @@ pub(super) fn expectation(field: &str) -> Option<&'static str> {
         "priority" => "a whole number from -128 to 127",
         "thin" | "open" | "capped" | "indirect" => "`true` or `false`",
         "file" => "the path of a mesh file, as a text",
+        "channel" => "the name of a channel, as a text",
+        "heights" => "the path of a 16-bit grey PNG or an EXR image, as a text",
+        "range" => "the heights `(z0, z1)` in metres of the values 0 and 1",
         "name" | "named" => "a name, as a text",
         "vertices" => "a list of points `[(x, y, z), ..]`",
         "normals" => "a list of directions `[(x, y, z), ..]`, one per vertex",

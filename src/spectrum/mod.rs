@@ -5,5 +5,7 @@
 //! variable says.
 
 mod rgb;
+mod srgb;
 
 pub use rgb::Rgb;
+pub use srgb::{srgb_code, srgb_linear};

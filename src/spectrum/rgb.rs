@@ -36,6 +36,12 @@ impl Rgb {
         (self.0[0] + self.0[1] + self.0[2]) / 3.0
     }
 
+    /// Brightness to the eye, by the weights of ITU-R BT.709.
+    #[inline]
+    pub fn luminance(self) -> f64 {
+        0.2126 * self.0[0] + 0.7152 * self.0[1] + 0.0722 * self.0[2]
+    }
+
     /// Whether every channel is zero.
     #[inline]
     pub fn is_black(self) -> bool {

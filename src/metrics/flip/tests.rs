@@ -1,11 +1,11 @@
 use super::*;
 use crate::{
-    film::srgb_linear,
     metrics::{
         Ssim,
         hdr_flip::{Exposures, hdr_flip},
         plane::Region,
     },
+    spectrum::srgb_linear,
 };
 
 const SIZE: [u32; 2] = [67, 45];

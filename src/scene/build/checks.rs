@@ -3,14 +3,13 @@
 use glam::DVec3;
 
 use crate::{
-    numeric::trig,
     scene::{
         MAX_LENGTH, MIN_LENGTH,
         description::{Colour, Number, Triple},
         outline::NodeId,
         report::Report,
     },
-    spectrum::Rgb,
+    spectrum::{Rgb, srgb_linear},
 };
 
 /// Largest value of a light's colour, in its own unit.
@@ -184,19 +183,12 @@ pub(super) fn unit(v: DVec3) -> Option<DVec3> {
     (largest > 0.0 && largest.is_finite()).then(|| (v / largest).normalize())
 }
 
-/// The linear sRGB coefficients of a colour (IEC 61966-2-1 for hex codes).
+/// The linear sRGB coefficients of a colour.
 pub(super) fn linear(colour: Colour) -> Rgb {
     match colour {
         Colour::Grey(v) => Rgb::grey(v),
         Colour::Linear([r, g, b]) => Rgb::new(r, g, b),
-        Colour::Hex(bytes) => Rgb(bytes.map(|b| {
-            let v = f64::from(b) / 255.0;
-            if v <= 0.04045 {
-                v / 12.92
-            } else {
-                trig::pow((v + 0.055) / 1.055, 2.4)
-            }
-        })),
+        Colour::Hex(bytes) => Rgb(bytes.map(|b| srgb_linear(f64::from(b) / 255.0))),
     }
 }
 

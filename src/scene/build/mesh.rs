@@ -12,7 +12,7 @@ use crate::{
     geometry::mesh::MeshError,
     scene::{
         MAX_LENGTH,
-        description::{MeshFields, MeshSource, Smooth, TorusKnot, Triple, Waves},
+        description::{HeightField, MeshFields, MeshSource, Smooth, TorusKnot, Triple, Waves},
         generate,
         mesh_file::{MeshData, Names},
         outline::NodeId,
@@ -90,6 +90,7 @@ impl<'d> Builder<'d> {
             }
             MeshSource::Waves(waves) => self.waves(node, waves),
             MeshSource::TorusKnot(knot) => self.torus_knot(node, knot),
+            MeshSource::HeightField(field) => self.height_field(node, field),
         };
         let origin = Origin::Named(name.to_owned());
         let is_good = data.is_some();
@@ -331,7 +332,7 @@ impl<'d> Builder<'d> {
     }
 
     /// Takes triangles from what generators may make in one scene.
-    fn budget(&mut self, node: NodeId, key: &str, triangles: u64) -> Option<()> {
+    pub(super) fn budget(&mut self, node: NodeId, key: &str, triangles: u64) -> Option<()> {
         if triangles > 0 && triangles <= self.triangles_left {
             self.triangles_left -= triangles;
             return Some(());
@@ -363,6 +364,12 @@ impl<'d> Builder<'d> {
     /// The mesh of `TorusKnot(..)`.
     pub(super) fn torus_knot_shape(&mut self, node: NodeId, knot: &TorusKnot) -> SharedMesh {
         let data = self.torus_knot(node, knot)?;
+        self.generated(node, data)
+    }
+
+    /// The mesh of `HeightField(..)`.
+    pub(super) fn height_field_shape(&mut self, node: NodeId, field: &HeightField) -> SharedMesh {
+        let data = self.height_field(node, field)?;
         self.generated(node, data)
     }
 

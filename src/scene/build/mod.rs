@@ -4,6 +4,7 @@
 mod camera;
 mod checks;
 mod curved;
+mod height_field;
 mod implicit;
 mod lens;
 mod light;

@@ -7,7 +7,7 @@ use crate::{
     scene::{
         Object,
         decode::short,
-        description::{ObjectDescription, Part},
+        description::{ObjectDescription, Part, ShapeDescription},
         mesh_words::openings,
         outline::NodeId,
     },
@@ -19,6 +19,14 @@ pub(super) struct Piece<'d> {
     pub(super) name: Option<(NodeId, &'d str)>,
     pub(super) shape: Shape,
     pub(super) material: Material,
+}
+
+/// How the mesh of an object is closed.
+fn close_mesh(d: &ObjectDescription) -> &'static str {
+    match d.shape.as_ref().map(|part| &part.value) {
+        Some(ShapeDescription::HeightField(_)) => "give the height field a `depth`",
+        _ => "close the mesh",
+    }
 }
 
 impl<'d> Builder<'d> {
@@ -88,7 +96,7 @@ impl<'d> Builder<'d> {
                 priority,
             } => {
                 if !d.open {
-                    self.check_closed(node, piece)?;
+                    self.check_closed(node, d, piece)?;
                 }
                 self.check_priority(node, d, priority)?;
                 Some(Material::Dielectric {
@@ -130,7 +138,7 @@ impl<'d> Builder<'d> {
     }
 
     /// Glass must enclose its medium.
-    fn check_closed(&mut self, node: NodeId, piece: &Piece) -> Option<()> {
+    fn check_closed(&mut self, node: NodeId, d: &ObjectDescription, piece: &Piece) -> Option<()> {
         let place = match piece.name {
             None => self.report.field(node, "shape"),
             Some((place, _)) => place,
@@ -141,7 +149,7 @@ impl<'d> Builder<'d> {
         };
         if !piece.shape.is_closed() {
             let (label, close) = match &piece.shape {
-                Shape::Mesh(mesh) => (openings(mesh.defects()).join("; "), "close the mesh"),
+                Shape::Mesh(mesh) => (openings(mesh.defects()).join("; "), close_mesh(d)),
                 Shape::Cylinder(_) | Shape::Conic(_) | Shape::Quadric(_) => (
                     "this surface has open ends".to_owned(),
                     "write `capped: true`",

@@ -104,6 +104,7 @@ impl<'d> Builder<'d> {
             ShapeDescription::Waves(s) => self.waves_shape(node, s).map(Shape::Mesh),
             ShapeDescription::TorusKnot(s) => self.torus_knot_shape(node, s).map(Shape::Mesh),
             ShapeDescription::Implicit(s) => self.implicit(node, s).map(Shape::Implicit),
+            ShapeDescription::HeightField(s) => self.height_field_shape(node, s).map(Shape::Mesh),
         }
     }
 

@@ -7,7 +7,7 @@ use serde::{
     de::{Error, SeqAccess, Visitor},
 };
 
-use super::{Number, Pair, Triple, value::finite};
+use super::{HeightField, Number, Pair, Triple, value::finite};
 
 /// Where a mesh comes from.
 #[derive(Clone, Debug, Deserialize)]
@@ -22,6 +22,8 @@ pub enum MeshSource {
     Waves(Waves),
     /// A torus knot.
     TorusKnot(TorusKnot),
+    /// A height field.
+    HeightField(HeightField),
 }
 
 /// The fields of a mesh: exactly one of `file`, `named` and `vertices`.

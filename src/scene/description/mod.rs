@@ -7,6 +7,7 @@
 //! its [`NodeId`] so that later checks can point at it.
 
 mod curved;
+mod height_field;
 mod implicit;
 mod light;
 mod mesh;
@@ -23,6 +24,7 @@ pub use curved::{
     BoxShape, ConeShape, EllipsoidShape, HyperboloidShape, ParaboloidShape, QuadricShape,
     TorusShape,
 };
+pub use height_field::HeightField;
 pub use implicit::{ImplicitShape, MethodDescription};
 pub use light::{
     DirectionalLight, DiscLight, LightDescription, PointLight, QuadLight, SphereLight, SpotLight,

@@ -3,8 +3,9 @@
 use serde::Deserialize;
 
 use super::{
-    BoxShape, ConeShape, EllipsoidShape, HyperboloidShape, ImplicitShape, LensShape, MeshFields,
-    Number, Pair, ParaboloidShape, QuadricShape, SolidShape, TorusKnot, TorusShape, Triple, Waves,
+    BoxShape, ConeShape, EllipsoidShape, HeightField, HyperboloidShape, ImplicitShape, LensShape,
+    MeshFields, Number, Pair, ParaboloidShape, QuadricShape, SolidShape, TorusKnot, TorusShape,
+    Triple, Waves,
 };
 
 /// What an object's `shape` field says.
@@ -53,6 +54,8 @@ pub enum ShapeDescription {
     TorusKnot(TorusKnot),
     /// Where a formula is zero.
     Implicit(ImplicitShape),
+    /// A height field.
+    HeightField(HeightField),
 }
 
 impl ShapeDescription {
@@ -80,6 +83,7 @@ impl ShapeDescription {
             Self::Waves(_) => "Waves",
             Self::TorusKnot(_) => "TorusKnot",
             Self::Implicit(_) => "Implicit",
+            Self::HeightField(_) => "HeightField",
         }
     }
 }
