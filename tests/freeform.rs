@@ -1,7 +1,7 @@
 //! Height fields in scenes, and the lens that throws a picture: what light
 //! does at the faces that the scene language builds.
 
-#[path = "../examples/freeform_picture.rs"]
+#[path = "../scenes/makers/freeform_picture.rs"]
 #[allow(dead_code, reason = "its main is not called")]
 mod drawing;
 
