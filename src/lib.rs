@@ -13,6 +13,7 @@ pub mod numeric;
 pub mod optics;
 pub mod photon;
 pub mod plan;
+pub mod reference;
 pub mod render;
 pub mod sampling;
 pub mod scene;

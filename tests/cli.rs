@@ -326,6 +326,40 @@ fn the_report_goes_to_standard_output_on_request() {
     assert_eq!(names(directory.path()), ["a.exr", "scene.ron"]);
 }
 
+/// Another method makes the same files and says its name and what it misses.
+#[test]
+fn a_method_is_chosen_by_its_name() {
+    let directory = workplace();
+    let arguments = [
+        "-o", "a.exr", "--passes", "2", "--method", "light", "--json", "-",
+    ];
+    let output = render(directory.path(), &arguments);
+    assert_eq!(code(&output), 0, "{}", text(&output.stderr));
+    let words = text(&output.stderr);
+    assert!(
+        words.contains("note: method light: what mirrors and glass show"),
+        "{words}"
+    );
+    assert!(words.contains("2 passes of method light"), "{words}");
+    let report: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!(report["method"], "light");
+    let path = directory.path().join("a.exr");
+    let meta = MetaData::read_from_file(&path, true).unwrap();
+    let named = meta.headers[0]
+        .own_attributes
+        .other
+        .get(&Text::from("method"));
+    assert_eq!(named, Some(&AttributeValue::Text(Text::from("light"))));
+    assert!(read_exr(&path, "caustic").unwrap().mean().mean() > 0.0);
+    let output = render(directory.path(), &["--method", "magic"]);
+    assert_eq!(code(&output), 2);
+    let words = text(&output.stderr);
+    assert!(
+        words.contains("magic") && words.contains("metropolis"),
+        "{words}"
+    );
+}
+
 #[test]
 fn a_crop_shows_its_part_of_the_picture() {
     let directory = workplace();

@@ -116,6 +116,37 @@ impl Camera {
         }
     }
 
+    /// Where a point is seen; `None` behind the camera.
+    pub fn sight(&self, p: DVec3) -> Option<Sight> {
+        let to = p - self.eye;
+        let along = to.dot(self.forward);
+        if along <= 0.0 {
+            return None;
+        }
+        let pixel = 2.0 * self.half_height / self.size.y;
+        let plane = DVec2::new(to.dot(self.right), -to.dot(self.up));
+        let (plane, eye, per_area) = match self.projection {
+            Projection::Perspective => {
+                // A pixel at unit distance is seen under the solid angle
+                // pixel^2 cos^3.
+                let cos = along / to.length();
+                let area = pixel * pixel * cos * cos * cos * to.length_squared();
+                (plane / along, self.eye, 1.0 / area)
+            }
+            Projection::Orthographic => (plane, p - self.forward * along, 1.0 / (pixel * pixel)),
+        };
+        Some(Sight {
+            film: plane / pixel + self.size * 0.5,
+            eye,
+            per_area,
+        })
+    }
+
+    /// How film positions become rays.
+    pub fn projection(&self) -> Projection {
+        self.projection
+    }
+
     /// The point from which perspective rays start, or the middle of the film.
     pub fn eye(&self) -> DVec3 {
         self.eye
@@ -128,6 +159,11 @@ impl Camera {
             Projection::Perspective => None,
             Projection::Orthographic => Some(self.forward),
         }
+    }
+
+    /// Unit view direction.
+    pub fn forward(&self) -> DVec3 {
+        self.forward
     }
 
     /// Footprint of a pixel: its width at distance `d` along a ray is
@@ -147,6 +183,17 @@ impl Camera {
     }
 }
 
+/// How a point is seen.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sight {
+    /// Its place on the film, in pixels; it may lie outside the picture.
+    pub film: DVec2,
+    /// Where the ray through that place starts.
+    pub eye: DVec3,
+    /// Square pixels per square metre at the point, across the ray.
+    pub per_area: f64,
+}
+
 /// The width of a pixel's beam along its ray.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Footprint {
@@ -154,4 +201,47 @@ pub struct Footprint {
     pub width: f64,
     /// Growth in metres per metre.
     pub spread: f64,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Step of the differences, in pixels.
+    const H: f64 = 1e-3;
+
+    /// A point on a ray is seen where the ray came from, and the density is
+    /// that of neighbouring rays: their cross product, by central differences
+    /// (error about the square of the step, 1e-6).
+    #[test]
+    fn sight_inverts_rays() {
+        let (eye, at, up) = (
+            DVec3::new(1.0, -4.0, 2.0),
+            DVec3::new(0.2, 0.0, 0.4),
+            DVec3::Z,
+        );
+        for camera in [
+            Camera::perspective(eye, at, up, 70.0, [40, 30]),
+            Camera::orthographic(eye, at, up, 3.0, [40, 30]),
+        ] {
+            for film in [[20.0, 15.0], [3.2, 28.5], [-1.0, 31.0]] {
+                let film = DVec2::from_array(film);
+                let ray = camera.ray(film);
+                let seen = camera.sight(ray.at(3.7)).expect("in front");
+                assert!((seen.film - film).length() < 1e-12 * 40.0, "{seen:?}");
+                assert!((seen.eye - ray.origin).length() < 1e-14 * 10.0);
+                let at = |dx: f64, dy: f64| {
+                    let other = camera.ray(film + DVec2::new(dx, dy));
+                    // Where it crosses the plane across the first ray.
+                    let reach = (ray.at(3.7) - other.origin).dot(ray.dir);
+                    other.at(reach / other.dir.dot(ray.dir))
+                };
+                let dx = (at(H, 0.0) - at(-H, 0.0)) / (2.0 * H);
+                let dy = (at(0.0, H) - at(0.0, -H)) / (2.0 * H);
+                let area = dx.cross(dy).length();
+                assert!((seen.per_area * area - 1.0).abs() < 1e-6, "{seen:?} {area}");
+                assert!(camera.sight(eye - camera.forward()).is_none());
+            }
+        }
+    }
 }

@@ -7,8 +7,8 @@ use clap::{Args, Parser, Subcommand, builder::TypedValueParser as _};
 use nephroid::metrics::Metric;
 
 use super::values::{
-    Bound, Crop, MapKind, Output, bound, crop, darkest, duration, finite, index, length,
-    magnification, metric, output, positive, region, resolution,
+    Bound, Crop, MapKind, Method, Output, bound, crop, darkest, duration, finite, index, length,
+    magnification, method, metric, output, positive, region, resolution,
 };
 
 const AFTER_HELP: &str = "\
@@ -85,6 +85,10 @@ pub(crate) struct RenderArgs {
     /// Photon paths per pass [default: the scene's, or chosen by the program]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
     pub(crate) photons: Option<u64>,
+
+    /// Make the picture by another method, for comparison
+    #[arg(long, value_name = "NAME", value_parser = method(), default_value = "photons")]
+    pub(crate) method: Method,
 
     /// Say nothing unless something goes wrong
     #[arg(short, long)]

@@ -3,11 +3,14 @@
 //! Everything that can be found wrong is found before the first photon: the
 //! names of the files, whether they can be written, the scene, the crop.
 
-use std::{fs, ops::ControlFlow, path::Path, time::Duration};
+use std::{fmt::Display, fs, ops::ControlFlow, path::Path, time::Duration};
+
+use serde::Serialize;
 
 use nephroid::{
-    film::{self, OutputError, Provenance, Window, atomic},
-    render::{self, Job, Outcome, Progress},
+    film::{self, Attribute, Film, OutputError, Provenance, Window, atomic},
+    reference,
+    render::{self, Job, Progress},
     scene::Scene,
 };
 
@@ -19,13 +22,36 @@ use super::{
     media::Media,
     progress::{self, Goal, Reporter},
     tell,
-    values::{Crop, Format, Output, default_outputs},
+    values::{Crop, Format, Method, Output, default_outputs},
 };
 
 /// Where the report goes as JSON.
 enum Json<'a> {
     StandardOutput,
     File(&'a Path),
+}
+
+/// What a render has brought, by whichever method.
+struct Finished {
+    film: Film,
+    interrupted: bool,
+    /// The report for people, and as JSON, or why it can't be.
+    words: String,
+    json: Result<String, String>,
+    /// Attributes of the method.
+    attributes: Vec<(String, Attribute)>,
+}
+
+impl Finished {
+    fn new(film: Film, interrupted: bool, report: &(impl Display + Serialize)) -> Self {
+        Self {
+            film,
+            interrupted,
+            words: report.to_string(),
+            json: serde_json::to_string_pretty(report).map_err(|e| e.to_string()),
+            attributes: Vec::new(),
+        }
+    }
 }
 
 /// Renders and writes the files.
@@ -55,6 +81,11 @@ pub(super) fn run(typed: &RenderArgs) -> Result<Exit, Failure> {
             tell(format_args!("warning: {warning}"));
         }
     }
+    if let (Method::Reference(method), false) = (typed.method, typed.quiet) {
+        for blind_spot in method.blind_spots(&scene) {
+            tell(format_args!("note: {blind_spot}"));
+        }
+    }
     let interrupt = Interrupt::listen();
     let (outcome, last) = render(typed, &scene, &job, &interrupt);
     let was_interrupted = outcome.interrupted && interrupt.is_requested();
@@ -64,11 +95,11 @@ pub(super) fn run(typed: &RenderArgs) -> Result<Exit, Failure> {
         seed: job.settings.seed,
         photons: last.photons_emitted,
         render_seconds: last.elapsed.as_secs_f64(),
-        further: Vec::new(),
+        further: outcome.attributes.clone(),
     };
     save(&outcome, &outputs, &job, &provenance, json.as_ref())?;
     if !typed.quiet {
-        tell(outcome.report.to_string().trim_end());
+        tell(outcome.words.trim_end());
         for output in &outputs {
             tell(format_args!("wrote {}", output.path.display()));
         }
@@ -144,7 +175,7 @@ fn render(
     scene: &Scene,
     job: &Job,
     interrupt: &Interrupt,
-) -> (Outcome, Progress) {
+) -> (Finished, Progress) {
     // With a time given the scene's number of passes is no limit, but one that
     // was typed is, and the one that is reached first ends the render.
     let goal = match job.time {
@@ -164,7 +195,7 @@ fn render(
         photons_emitted: 0,
         elapsed: Duration::ZERO,
     };
-    let outcome = render::run(scene, job, &mut |progress: &Progress| {
+    let mut on_progress = |progress: &Progress| {
         reporter.show(progress, goal);
         last = *progress;
         let is_enough = goal.passes.is_some_and(|n| progress.passes_done >= n);
@@ -173,15 +204,29 @@ fn render(
         } else {
             ControlFlow::Continue(())
         }
-    });
+    };
+    let finished = match typed.method {
+        Method::Photons => {
+            let outcome = render::run(scene, job, &mut on_progress);
+            Finished::new(outcome.film, outcome.interrupted, &outcome.report)
+        }
+        Method::Reference(method) => {
+            let outcome = reference::render(scene, job, method, &mut on_progress);
+            let name = Attribute::Text(method.name().to_owned());
+            Finished {
+                attributes: vec![("method".to_owned(), name)],
+                ..Finished::new(outcome.film, outcome.interrupted, &outcome.report)
+            }
+        }
+    };
     reporter.finish();
-    (outcome, last)
+    (finished, last)
 }
 
 /// Writes every file, also after one has failed: what was computed is worth
 /// more than the order of the messages.
 fn save(
-    outcome: &Outcome,
+    outcome: &Finished,
     outputs: &[Output],
     job: &Job,
     provenance: &Provenance,
@@ -212,8 +257,8 @@ fn save(
     }
 }
 
-fn save_report(outcome: &Outcome, json: &Json) -> Result<(), String> {
-    let text = serde_json::to_string_pretty(&outcome.report).map_err(|e| e.to_string())?;
+fn save_report(outcome: &Finished, json: &Json) -> Result<(), String> {
+    let text = outcome.json.clone()?;
     match json {
         Json::StandardOutput => deliver(text),
         Json::File(path) => {

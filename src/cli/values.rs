@@ -6,8 +6,14 @@ use std::{
     time::Duration,
 };
 
-use clap::ValueEnum;
-use nephroid::metrics::{Map, Metric};
+use clap::{
+    ValueEnum,
+    builder::{PossibleValue, PossibleValuesParser, TypedValueParser},
+};
+use nephroid::{
+    metrics::{Map, Metric},
+    reference,
+};
 
 /// Largest picture side that is understood; far beyond what memory allows, and
 /// small enough for every format.
@@ -34,6 +40,42 @@ pub(crate) struct Crop {
     pub(crate) origin: [u32; 2],
     /// Width and height.
     pub(crate) size: [u32; 2],
+}
+
+/// How a picture is made.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) enum Method {
+    /// By the renderer.
+    #[default]
+    Photons,
+    /// By a reference method.
+    Reference(reference::Method),
+}
+
+impl Method {
+    /// The name that is typed, and what it means.
+    fn known() -> Vec<(Self, &'static str, &'static str)> {
+        let mut all = vec![(Self::Photons, "photons", "the photon map: the renderer")];
+        let references =
+            reference::Method::ALL.map(|m| (Self::Reference(m), m.name(), m.summary()));
+        all.extend(references);
+        all
+    }
+}
+
+/// Understands the name of a method.
+pub(crate) fn method() -> impl TypedValueParser<Value = Method> {
+    let known = Method::known();
+    let names = known
+        .into_iter()
+        .map(|(_, name, help)| PossibleValue::new(name).help(help));
+    PossibleValuesParser::new(names).try_map(|text| {
+        let mut known = Method::known().into_iter();
+        known
+            .find(|(_, name, _)| *name == text)
+            .map(|(method, ..)| method)
+            .ok_or("no such method")
+    })
 }
 
 /// A path that ends in `.exr` or `.png`, in any case.

@@ -16,6 +16,7 @@ mod flip;
 mod gamma;
 mod hdr_flip;
 mod image_error;
+mod noise;
 mod opponent;
 mod plane;
 mod slope;
@@ -31,6 +32,7 @@ pub use image_error::{
     SizeMismatch, absolute_errors, mae, mean_ratio, relative_errors, relmse, relmse_trimmed, rmse,
     squared_errors,
 };
+pub use noise::relative_noise;
 pub use plane::{Plane, Region};
 pub use slope::{Slope, fit_slope};
 pub use ssim::Ssim;

@@ -6,10 +6,12 @@
 mod media;
 mod nest;
 mod starts;
+mod typical;
 
 pub use media::{MOST_MEDIA, Media};
 pub use nest::{Nest, Start};
 pub use starts::Starts;
+pub use typical::film_quantum;
 
 use crate::{
     light::Light,

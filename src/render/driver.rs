@@ -6,10 +6,10 @@ use std::{
 };
 
 use crate::{
-    film::{Film, Image},
-    light::Light,
-    numeric::exact::Quantum,
+    film::Film,
+    metrics::relative_noise,
     photon::Tally,
+    plan::film_quantum,
     sampling::{Purpose, Sequence},
     scene::{Scene, Settings},
 };
@@ -56,6 +56,20 @@ impl Job {
     pub fn check(&self) -> Result<(), TooLarge> {
         let [_, _, width, height] = self.window();
         photon_budget([width, height], self.settings.memory).map(|_| ())
+    }
+
+    /// The number of passes to run in all, as far as it is known after `done`
+    /// of them.
+    pub fn passes_wanted(&self, done: u32, elapsed: Duration) -> u32 {
+        let Some(limit) = self.time else {
+            return self.settings.passes.max(1);
+        };
+        if elapsed >= limit {
+            return done;
+        }
+        let rate = f64::from(done) / elapsed.as_secs_f64().max(1e-9);
+        // At least one more; `as` saturates.
+        ((limit.as_secs_f64() * rate) as u32).max(done + 1)
     }
 
     /// The window to render: x, y, width, height in pixels.
@@ -113,7 +127,7 @@ pub fn run(
     let start = Instant::now();
     let crop = job.window();
     let renderer = Renderer::new(scene, &job.settings, job.resolution, crop);
-    let mut film = Film::new(crop[2], crop[3], quantum(scene));
+    let mut film = Film::new(crop[2], crop[3], film_quantum(scene));
     let mut totals = Totals {
         tally: Tally::new(scene.lights.len()),
         ..Totals::default()
@@ -134,7 +148,7 @@ pub fn run(
         totals.tally.merge(&pass.tally);
         done += 1;
         let elapsed = start.elapsed();
-        let total = passes_wanted(job, done, elapsed);
+        let total = job.passes_wanted(done, elapsed);
         let progress = Progress {
             passes_done: done,
             passes_total: total,
@@ -156,40 +170,6 @@ pub fn run(
         report,
         interrupted,
     }
-}
-
-/// The number of passes to run in all, as far as it is known now.
-fn passes_wanted(job: &Job, done: u32, elapsed: Duration) -> u32 {
-    let Some(limit) = job.time else {
-        return job.settings.passes.max(1);
-    };
-    if elapsed >= limit {
-        return done;
-    }
-    let rate = f64::from(done) / elapsed.as_secs_f64().max(1e-9);
-    // At least one more; `as` saturates.
-    ((limit.as_secs_f64() * rate) as u32).max(done + 1)
-}
-
-/// The film's unit: a typical radiance of the scene, from the lights' power
-/// spread over a sphere around what is bounded. A function of the scene alone.
-fn quantum(scene: &Scene) -> Quantum {
-    let radius = scene
-        .world
-        .bounds()
-        .map_or(1.0, |b| b.bounding_sphere().radius)
-        .max(f64::MIN_POSITIVE);
-    let area = 4.0 * std::f64::consts::PI * radius * radius;
-    let typical: f64 = scene
-        .lights
-        .iter()
-        .map(|l| match (&l.light, l.light.power()) {
-            (_, Some(power)) => power.mean() / area,
-            (Light::Sun(sun), None) => sun.irradiance.mean(),
-            (_, None) => 0.0,
-        })
-        .sum();
-    Quantum::for_typical(typical)
 }
 
 fn report(
@@ -251,22 +231,4 @@ fn report(
         seconds: elapsed.as_secs_f64(),
         lights,
     }
-}
-
-/// Root mean square of noise over value, with the floor of the relative MSE:
-/// a tenth of the picture's mean.
-fn relative_noise(image: &Image, noise: &Image) -> f64 {
-    let mean = image.mean().mean();
-    let floor = 0.01 * mean * mean;
-    let mut sum = 0.0;
-    for (x, n) in image.pixels().iter().zip(noise.pixels()) {
-        for c in 0..3 {
-            let denominator = x[c] * x[c] + floor;
-            if denominator > 0.0 {
-                sum += n[c] * n[c] / denominator;
-            }
-        }
-    }
-    let channels = 3.0 * image.pixels().len().max(1) as f64;
-    (sum / channels).sqrt()
 }

@@ -25,6 +25,8 @@ pub enum Purpose {
     Glint = 4,
     /// Further camera paths where neighbouring pixels differ.
     Refinement = 5,
+    /// Paths of the reference methods.
+    Reference = 6,
 }
 
 /// A scrambled sequence; [`Sequence::at`] picks one of its points.

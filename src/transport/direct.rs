@@ -76,6 +76,11 @@ impl LightPicker {
             by_power: Discrete::new(&weights),
         }
     }
+
+    /// The lights by their power; `None` if none has any.
+    pub fn table(&self) -> Option<&Discrete> {
+        self.by_power.as_ref()
+    }
 }
 
 /// Reflected radiance of the light that arrives straight from the sources,

@@ -9,7 +9,7 @@
 //! index-matched surface in a straight line does not bend.
 //!
 //! A path knows the bodies of clear media in which it is ([`Media`]), and finds
-//! surfaces through [`meet`] alone, which passes those that are hidden in a
+//! surfaces through [`meet()`] alone, which passes those that are hidden in a
 //! body of higher rank. Where no two bodies come near each other the list is
 //! empty and nobody reads it.
 //!
