@@ -111,7 +111,10 @@ fn decode_png(path: &Path) -> Result<Image, String> {
     let file = File::open(path).map_err(|e| e.to_string())?;
     let decoder = ImageReader::with_format(BufReader::new(file), ImageFormat::Png);
     // Eight bits become sixteen without loss: the factor is 257.
-    let codes = decoder.decode().map_err(|e| e.to_string())?.into_rgba16();
+    let codes = decoder
+        .decode()
+        .map_err(|e| format!("it is not a PNG that can be read: {e}"))?
+        .into_rgba16();
     if codes.pixels().any(|p| p[3] != u16::MAX) {
         return Err("it has transparent pixels; flatten it first".to_owned());
     }

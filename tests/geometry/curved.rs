@@ -1,7 +1,15 @@
 //! Every closed shape against what is inside of it.
 
-use glam::DVec3;
-use nephroid::geometry::{Ray, Shape, Surface, SurfacePoint, Transform, World, shape::ShapeHit};
+use std::sync::Arc;
+
+use glam::{DAffine3, DVec3};
+use nephroid::{
+    formula::Formula,
+    geometry::{
+        Aabb, Ray, Shape, Surface, SurfacePoint, Transform, TriangleMesh, World,
+        shape::{Body, Implicit, RootFinder, ShapeHit, Solid},
+    },
+};
 use proptest::prelude::*;
 
 use crate::{
@@ -259,4 +267,58 @@ fn farthest(k: &Known, axis: usize, side: f64, b: &nephroid::geometry::Aabb) -> 
         half *= 0.4;
     }
     best * side
+}
+
+/// An octahedron of triangles, without a ball that a formula makes: operands
+/// that tell their crossings one after the other.
+#[test]
+fn meshes_and_formulas_are_operands() {
+    let signs = [1.0, -1.0];
+    let corners: Vec<DVec3> = [DVec3::X, DVec3::Y, DVec3::Z]
+        .into_iter()
+        .flat_map(|axis| signs.map(|s| axis * s))
+        .collect();
+    // Corners 2k and 2k + 1 are the two ends of axis k.
+    let triangles = (0..8u32).map(|i| {
+        let [x, y, z] = [i & 1, 2 + (i >> 1 & 1), 4 + (i >> 2)];
+        if i.count_ones() % 2 == 0 {
+            [x, y, z]
+        } else {
+            [x, z, y]
+        }
+    });
+    let mesh = TriangleMesh::new(corners, None, triangles.collect()).expect("sound");
+    assert!(mesh.is_closed() && mesh.signed_volume() > 0.0);
+    let formula = Formula::parse("x^2 + y^2 + z^2 - 0.49").expect("a formula");
+    let bounds = Aabb {
+        min: DVec3::splat(-0.75),
+        max: DVec3::splat(0.75),
+    };
+    let ball = Implicit::new(formula, bounds, RootFinder::Interval).expect("a surface");
+    let map = DAffine3::from_translation(DVec3::new(0.2, 0.1, -0.1));
+    let parts = vec![
+        Body::of(Shape::Mesh(Arc::new(mesh)), None),
+        Body::of(Shape::Implicit(Arc::new(ball)), Transform::new(map)),
+    ];
+    let solid = Solid::new(Body::Difference(parts)).expect("bounded");
+    let middle = map.transform_point3(DVec3::ZERO);
+    let k = Known {
+        name: "octahedron without a ball",
+        shape: Shape::Solid(Arc::new(solid)),
+        level: Box::new(move |p| {
+            let facets = (p.abs().element_sum() - 1.0) / 3f64.sqrt();
+            facets.max(0.7 - p.distance(middle))
+        }),
+    };
+    let mut random = Random(11);
+    for _ in 0..400 {
+        let (origin, dir, radius) = line(&mut random, &k.shape, 2.5);
+        let list = crossings(&k.shape, origin, dir);
+        for hit in &list {
+            let p = k.shape.surface(origin, dir, hit).p;
+            assert!((k.level)(p).abs() < 1e-9, "{}", (k.level)(p));
+        }
+        let at = -origin.dot(dir);
+        check_line(&k, &list, origin, dir, at - radius, at + radius, 1e-9);
+    }
 }
