@@ -18,8 +18,22 @@ pub(crate) struct Known {
     pub(crate) level: Box<dyn Fn(DVec3) -> f64>,
 }
 
-/// How many kinds [`known`] makes.
-pub(crate) const KINDS: u64 = 11;
+/// The kinds that [`known`] makes.
+pub(crate) const KIND_NAMES: [&str; 11] = [
+    "cone",
+    "frustum",
+    "paraboloid",
+    "ellipsoid",
+    "box",
+    "quadric in a box",
+    "two spheres",
+    "hyperboloid",
+    "torus",
+    "thin torus",
+    "drilled ball",
+];
+/// How many these are.
+pub(crate) const KINDS: u64 = KIND_NAMES.len() as u64;
 /// So many of these, the first ones, are convex.
 pub(crate) const CONVEX: u64 = 7;
 

@@ -4,6 +4,7 @@
 mod curved;
 mod equivalence;
 mod exact;
+mod hunt;
 mod known;
 mod leaks;
 mod leaving;
