@@ -14,12 +14,13 @@ use crate::{
 
 use super::{
     Renderer,
-    camera_walk::{CameraTally, Gather},
+    camera_walk::Gather,
     coordinates,
     glints::{self, Glints},
     pass::PILOT_PHOTONS,
     refine::{REACH, Refinement},
     share,
+    tally::CameraTally,
 };
 
 /// Places at which the pilot looks at a pixel's neighbours.

@@ -1,6 +1,6 @@
 //! One camera sample: what is seen through one film position.
 
-use std::{f64::consts::FRAC_1_PI, ops::AddAssign};
+use std::f64::consts::FRAC_1_PI;
 
 use glam::DVec3;
 
@@ -19,7 +19,7 @@ use crate::{
 use super::{
     coordinates,
     glints::{self, Glints},
-    share::Work,
+    tally::CameraTally,
     view::view,
 };
 
@@ -63,41 +63,6 @@ pub(super) struct Gather<'a> {
     /// Kernel scale of the round in footprints.
     pub(super) scale: f64,
     pub(super) footprint: Footprint,
-}
-
-/// What came of a camera sample besides its light.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct CameraTally {
-    /// Rays cast, to surfaces and to lights.
-    pub(super) rays: u64,
-    pub(super) truncated: u64,
-    pub(super) queries: u64,
-    pub(super) visited: u64,
-    pub(super) tested: u64,
-    pub(super) accepted: u64,
-}
-
-impl CameraTally {
-    /// The work in all, of so many samples.
-    pub(super) fn work(&self, samples: u64) -> Work {
-        Work {
-            samples,
-            rays: self.rays,
-            queries: self.queries,
-            visited: self.visited,
-        }
-    }
-}
-
-impl AddAssign for CameraTally {
-    fn add_assign(&mut self, o: Self) {
-        self.rays += o.rays;
-        self.truncated += o.truncated;
-        self.queries += o.queries;
-        self.visited += o.visited;
-        self.tested += o.tested;
-        self.accepted += o.accepted;
-    }
 }
 
 impl<'a> Gather<'a> {

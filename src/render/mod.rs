@@ -18,6 +18,7 @@ mod refine;
 mod report;
 mod schedule;
 mod share;
+mod tally;
 mod view;
 
 pub use driver::{Job, Outcome, Progress, run};

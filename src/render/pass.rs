@@ -13,12 +13,13 @@ use crate::{
 };
 
 use super::{
-    camera_walk::{CameraTally, Gather},
+    camera_walk::Gather,
     memory::{FEWEST_PHOTONS, photon_budget},
     pilot::{Epochs, Pilot, epoch},
     refine::Refinement,
     schedule::{REPLICATES, Schedule},
     share::{Probe, Survey},
+    tally::CameraTally,
 };
 
 /// Most photon paths that the program chooses, in all and for each pixel: more

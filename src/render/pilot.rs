@@ -17,11 +17,12 @@ use crate::{
 };
 
 use super::{
-    camera_walk::{CameraTally, Gather},
+    camera_walk::Gather,
     coordinates,
     importance::{Blocks, Importance, Reached, beam, reach},
     memory::FEWEST_PHOTONS,
     schedule::REPLICATES,
+    tally::CameraTally,
 };
 
 /// Epochs of a render: later rounds keep what the last one learned. Its pilot

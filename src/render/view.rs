@@ -6,7 +6,7 @@ use crate::{
     transport::{Context, End, Walker},
 };
 
-use super::camera_walk::CameraTally;
+use super::tally::CameraTally;
 
 /// Ways that may wait to be followed; where they are more, coins decide. The
 /// strengths of all ways sum to at most 1, so this many are rare.

@@ -14,9 +14,6 @@ use crate::numeric::trig::sin_cos;
 
 pub use height_field::{Grid, Height, height_field};
 
-/// Most triangles a generator makes.
-pub const MAX_TRIANGLES: u64 = 50_000_000;
-
 /// Triangles of a sheet of waves.
 pub(super) fn wave_triangles(waves: &Waves) -> u64 {
     2 * u64::from(waves.cells.0[0]) * u64::from(waves.cells.0[1])

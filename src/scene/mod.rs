@@ -46,3 +46,6 @@ pub use summary::{MeshSummary, Summary};
 pub const MAX_LENGTH: f64 = 1e12;
 /// Smallest length in a scene, in metres.
 pub const MIN_LENGTH: f64 = 1e-12;
+/// Most triangles that generators make in a scene, and that the nodes of a
+/// glTF file put together.
+pub const MAX_TRIANGLES: u64 = 50_000_000;

@@ -345,7 +345,7 @@ impl<'d> Builder<'d> {
         };
         let label = format!(
             "expected 1 to {} triangles in all generated meshes",
-            generate::MAX_TRIANGLES
+            crate::scene::MAX_TRIANGLES
         );
         self.report.reject(
             place,

@@ -74,7 +74,7 @@ pub(super) fn build(
         meshes: HashMap::new(),
         stock: stock::Stock::default(),
         watch,
-        triangles_left: super::generate::MAX_TRIANGLES,
+        triangles_left: super::MAX_TRIANGLES,
     };
     if builder.report.diagnostics.is_full() {
         return None;

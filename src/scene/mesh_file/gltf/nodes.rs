@@ -10,7 +10,7 @@ use super::{
     document::{Document, List},
 };
 use crate::scene::{
-    generate::MAX_TRIANGLES,
+    MAX_TRIANGLES,
     mesh_file::{Fault, MeshData, fill_normals, names::Namer, position, unit_normal},
 };
 
