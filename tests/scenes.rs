@@ -121,6 +121,22 @@ fn ball_lenses_focus_at_their_focal_length() {
     assert!(on_table.z.abs() < 2e-5 && (on_table.x - 0.2f64.sqrt()).abs() < 1e-5);
 }
 
+/// From focus to focus, by ways of one length.
+#[test]
+fn the_ellipsoid_of_the_lamp_has_another_focus() {
+    let scene = load("ellipsoids.ron");
+    let [from, to] = [-0.6, 0.6].map(|x| DVec3::new(x, 0.0, 0.9));
+    for (y, z) in [(0.1, 0.0), (1.7, -0.3), (-1.5, 1.9)] {
+        let dir = DVec3::new(-1.0, y, z).normalize();
+        // Outside of the lamp, whose body is no mirror.
+        let out = after(&scene, Ray::new(from + dir * 0.04, dir), 1);
+        let past = (to - out.origin).dot(out.dir);
+        assert!((out.origin + out.dir * past - to).length() < 1e-14);
+        let way = from.distance(out.origin) + past;
+        assert!((way - 2.0).abs() < 1e-14, "{way}");
+    }
+}
+
 #[test]
 fn the_searchlight_and_its_cone_are_as_the_header_says() {
     let scene = load("conics.ron");
