@@ -11,22 +11,20 @@ use glam::{DMat3, DVec2, DVec3};
 
 use super::{
     Place, ShapeHit, ShapePoint, Surface,
+    axial::{AxialRay, Axis},
     disc::circle_half_widths,
     span::{Span, Spans, below_zero, within},
 };
 use crate::{
-    geometry::{Aabb, BoundingSphere, Turning, transform::unit, turning::outer},
-    numeric::{Frame, difference_of_products, gamma},
+    geometry::{Aabb, BoundingSphere, Turning, turning::outer},
+    numeric::{difference_of_products, gamma},
 };
 
 /// A surface of revolution; the normal of its side points away from the axis,
 /// those of its caps outward. Parts: side 0, base 1, top 2.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Conic {
-    base: DVec3,
-    /// Two directions across the axis, then the axis.
-    across: [DVec3; 2],
-    axis: DVec3,
+    axis: Axis,
     length: f64,
     /// Radius at the base and at the top.
     radii: [f64; 2],
@@ -53,15 +51,6 @@ impl Profile {
     fn half_slope(&self, w: f64) -> f64 {
         0.5 * self.c1 + self.c2 * w
     }
-}
-
-/// A ray across and along the axis, from the point that it reaches at `slide`.
-struct Slid {
-    slide: f64,
-    o: DVec2,
-    oz: f64,
-    d: DVec2,
-    dz: f64,
 }
 
 impl Conic {
@@ -118,11 +107,8 @@ impl Conic {
     }
 
     fn new(base: DVec3, end: DVec3, radii: [f64; 2], profile: Profile, capped: bool) -> Self {
-        let frame = Frame::around(unit(end - base));
         Self {
-            base,
-            across: [frame.s, frame.t],
-            axis: frame.n,
+            axis: Axis::new(base, end - base),
             length: (end - base).length(),
             radii,
             profile,
@@ -130,39 +116,16 @@ impl Conic {
         }
     }
 
-    /// A vector as its part across the axis and its part along it.
+    /// The ray in the axis' coordinates.
     #[inline]
-    fn split(&self, v: DVec3) -> (DVec2, f64) {
-        (
-            DVec2::new(self.across[0].dot(v), self.across[1].dot(v)),
-            self.axis.dot(v),
-        )
-    }
-
-    /// The ray in the axis' coordinates; one from afar first slides to where
-    /// it passes the middle, as for the cylinder.
-    #[inline]
-    fn slid(&self, origin: DVec3, dir: DVec3, leaving: Option<u32>) -> Slid {
-        let from = origin - self.base;
-        let slide = if leaving.is_some() {
-            0.0
-        } else {
-            (self.axis * (0.5 * self.length) - from).dot(dir) / dir.length_squared()
-        };
-        let (d, dz) = self.split(dir);
-        let (o, oz) = self.split(from + dir * slide);
-        Slid {
-            slide,
-            o,
-            oz,
-            d,
-            dz,
-        }
+    fn slid(&self, origin: DVec3, dir: DVec3, leaving: Option<u32>) -> AxialRay {
+        let middle = 0.5 * self.length;
+        self.axis.slid(origin, dir, middle, leaving.is_some())
     }
 
     /// The stretches inside the side, prolonged without end.
     #[inline]
-    fn inside_side(&self, ray: &Slid, leaving: Option<u32>) -> Spans {
+    fn inside_side(&self, ray: &AxialRay, leaving: Option<u32>) -> Spans {
         let Profile { c0, c1, c2, shift } = self.profile;
         let w = ray.oz + shift;
         let a = ray.d.length_squared() - c2 * ray.dz * ray.dz;
@@ -174,7 +137,7 @@ impl Conic {
 
     /// The stretches inside the capped solid.
     #[inline]
-    fn inside(&self, ray: &Slid, leaving: Option<u32>) -> Spans {
+    fn inside(&self, ray: &AxialRay, leaving: Option<u32>) -> Spans {
         match Span::between_planes(ray.oz, ray.dz, self.length, [BASE, TOP], leaving) {
             Some(slab) => within(self.inside_side(ray, leaving), slab),
             None => [None; 2],
@@ -183,7 +146,7 @@ impl Conic {
 
     /// Where the open side is crossed, in order.
     #[inline]
-    fn side_hits(&self, ray: &Slid, leaving: Option<u32>) -> impl Iterator<Item = ShapeHit> {
+    fn side_hits(&self, ray: &AxialRay, leaving: Option<u32>) -> impl Iterator<Item = ShapeHit> {
         let (length, slide, oz, dz) = (self.length, ray.slide, ray.oz, ray.dz);
         self.inside_side(ray, leaving)
             .into_iter()
@@ -222,18 +185,6 @@ impl Conic {
         let rounding = (0.5 * gamma(16) * terms + gz.abs() * shifted) / length;
         let second = 0.5 * step * step * length * c2.max(1.0);
         (flat - g * step, z - gz * step, rounding + second)
-    }
-
-    /// Error of a point formed from coordinates whose absolute sum is
-    /// `reach`; counted as for the cylinder.
-    fn error_of(&self, reach: f64, p: DVec3) -> f64 {
-        gamma(16) * reach + gamma(1) * (self.base.abs().max(p.abs())).max_element()
-    }
-
-    /// A vector of the axis' coordinates in the shape's space.
-    #[inline]
-    fn join(&self, flat: DVec2, z: f64) -> DVec3 {
-        self.across[0] * flat.x + self.across[1] * flat.y + self.axis * z
     }
 
     fn reach(&self) -> f64 {
@@ -280,21 +231,21 @@ impl Surface for Conic {
 
     #[inline]
     fn surface(&self, origin: DVec3, dir: DVec3, hit: &ShapeHit) -> ShapePoint {
-        let (flat, z) = self.split((origin - self.base) + dir * hit.t);
+        let (flat, z) = self.axis.split((origin - self.axis.base) + dir * hit.t);
         let (flat, z, error, ng) = match hit.part {
-            BASE => (flat, 0.0, 0.0, -self.axis),
-            TOP => (flat, self.length, 0.0, self.axis),
+            BASE => (flat, 0.0, 0.0, -self.axis.along),
+            TOP => (flat, self.length, 0.0, self.axis.along),
             _ => {
                 let (flat, z, error) = self.onto_side(flat, z);
                 let (g, gz) = self.gradient(flat, z);
-                let ng = self.join(g, gz).try_normalize();
-                (flat, z, error, ng.unwrap_or(self.axis))
+                let ng = self.axis.join(g, gz).try_normalize();
+                (flat, z, error, ng.unwrap_or(self.axis.along))
             }
         };
-        let p = self.base + self.join(flat, z);
+        let p = self.axis.base + self.axis.join(flat, z);
         ShapePoint {
             p,
-            error: error + self.error_of(flat.x.abs() + flat.y.abs() + z.abs(), p),
+            error: error + self.axis.error_of(flat.x.abs() + flat.y.abs() + z.abs(), p),
             ng,
             ns: ng,
         }
@@ -305,37 +256,45 @@ impl Surface for Conic {
         if part != SIDE {
             return Turning::Flat;
         }
-        let (flat, z) = self.split(at().p - self.base);
+        let (flat, z) = self.axis.split(at().p - self.axis.base);
         let (g, gz) = self.gradient(flat, z);
         // One across the axis, less the profile's second derivative along it.
-        let second = DMat3::IDENTITY - outer(self.axis, self.axis) * (1.0 + self.profile.c2);
-        Turning::of_level(self.join(g, gz), second)
+        let second =
+            DMat3::IDENTITY - outer(self.axis.along, self.axis.along) * (1.0 + self.profile.c2);
+        Turning::of_level(self.axis.join(g, gz), second)
     }
 
     /// Along each axis the farthest point is on a rim, or, on a paraboloid,
     /// where the side turns round.
     fn bounds(&self) -> Option<Aabb> {
-        let half = circle_half_widths(self.axis);
-        let top = self.base + self.axis * self.length;
+        let half = circle_half_widths(self.axis.along);
+        let top = self.axis.at(self.length);
         let mut b = Aabb::around([
-            self.base - half * self.radii[0],
-            self.base + half * self.radii[0],
+            self.axis.base - half * self.radii[0],
+            self.axis.base + half * self.radii[0],
             top - half * self.radii[1],
             top + half * self.radii[1],
         ]);
         if self.profile.c2 == 0.0 {
             let steepness = self.profile.c1.abs();
             for i in 0..3 {
-                let depth = half[i] * half[i] * steepness / (4.0 * self.axis[i] * self.axis[i]);
+                let depth =
+                    half[i] * half[i] * steepness / (4.0 * self.axis.along[i] * self.axis.along[i]);
                 if depth < self.length {
                     let radius = (steepness * depth).sqrt();
-                    let at = top[i] - self.axis[i] * depth;
+                    let at = top[i] - self.axis.along[i] * depth;
                     b.min[i] = b.min[i].min(at - half[i] * radius);
                     b.max[i] = b.max[i].max(at + half[i] * radius);
                 }
             }
         }
-        Some(b.padded(2.0 * self.error_of(self.reach(), b.min.abs().max(b.max.abs()))))
+        Some(
+            b.padded(
+                2.0 * self
+                    .axis
+                    .error_of(self.reach(), b.min.abs().max(b.max.abs())),
+            ),
+        )
     }
 
     /// The sphere through both rims, or around the larger one: the squared
@@ -346,10 +305,10 @@ impl Surface for Conic {
         let level = level.clamp(0.0, self.length);
         let far = |r: f64, z: f64| (r * r + z * z).sqrt();
         let radius = far(r0, level).max(far(r1, self.length - level));
-        let center = self.base + self.axis * level;
+        let center = self.axis.at(level);
         Some(BoundingSphere {
             center,
-            radius: radius * (1.0 + gamma(4)) + 2.0 * self.error_of(self.reach(), center),
+            radius: radius * (1.0 + gamma(4)) + 2.0 * self.axis.error_of(self.reach(), center),
         })
     }
 
@@ -359,7 +318,7 @@ impl Surface for Conic {
 
     fn distance_bound(&self, p: DVec3, _within: f64) -> f64 {
         let Profile { c0, c1, c2, shift } = self.profile;
-        let (flat, z) = self.split(p - self.base);
+        let (flat, z) = self.axis.split(p - self.axis.base);
         let w = z + shift;
         let (g, gz) = self.gradient(flat, z);
         let slope = (g.length_squared() + gz * gz).sqrt();

@@ -8,21 +8,22 @@
 use glam::{DVec2, DVec3};
 
 use super::{
-    Place, ShapeHit, ShapePoint, Surface, disc::circle_half_widths, span::Span, sphere::crossings,
+    Place, ShapeHit, ShapePoint, Surface,
+    axial::{AxialRay, Axis},
+    disc::circle_half_widths,
+    span::Span,
+    sphere::crossings,
 };
 use crate::{
-    geometry::{Aabb, BoundingSphere, Turning, transform::unit, turning::outer},
-    numeric::{Frame, gamma},
+    geometry::{Aabb, BoundingSphere, Turning, turning::outer},
+    numeric::gamma,
 };
 
 /// A circular cylinder; the normal of its side points away from the axis,
 /// those of its caps outward. Parts: side 0, base 1, top 2.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Cylinder {
-    base: DVec3,
-    /// Two directions across the axis, then the axis.
-    across: [DVec3; 2],
-    axis: DVec3,
+    axis: Axis,
     length: f64,
     radius: f64,
     capped: bool,
@@ -32,34 +33,12 @@ const SIDE: u32 = 0;
 const BASE: u32 = 1;
 const TOP: u32 = 2;
 
-/// A ray across and along the axis, from the point that it reaches at `slide`.
-struct Slid {
-    slide: f64,
-    o: DVec2,
-    oz: f64,
-    d: DVec2,
-    dz: f64,
-}
-
-impl Slid {
-    /// The stretch inside the capped cylinder, counted from `slide`.
-    #[inline]
-    fn span(&self, cylinder: &Cylinder, leaving: Option<u32>) -> Option<Span> {
-        let (near, far) = cylinder.side_interval(self.o, self.d, leaving == Some(SIDE))?;
-        let caps = Span::between_planes(self.oz, self.dz, cylinder.length, [BASE, TOP], leaving)?;
-        Span::of_part(near, far, SIDE).overlap(caps)
-    }
-}
-
 impl Cylinder {
     /// A tube of a radius above zero between two distinct points on its
     /// axis, in metres; with `capped` both ends are closed by discs.
     pub fn new(base: DVec3, axis_end: DVec3, radius: f64, capped: bool) -> Self {
-        let frame = Frame::around(unit(axis_end - base));
         Self {
-            base,
-            across: [frame.s, frame.t],
-            axis: frame.n,
+            axis: Axis::new(base, axis_end - base),
             length: (axis_end - base).length(),
             radius,
             capped,
@@ -73,12 +52,12 @@ impl Cylinder {
 
     /// Centre of the base.
     pub fn base(&self) -> DVec3 {
-        self.base
+        self.axis.base
     }
 
     /// Unit direction from the base to the top.
     pub fn axis(&self) -> DVec3 {
-        self.axis
+        self.axis.along
     }
 
     /// Distance between the ends in metres.
@@ -89,15 +68,6 @@ impl Cylinder {
     /// Radius in metres.
     pub fn radius(&self) -> f64 {
         self.radius
-    }
-
-    /// A vector as its part across the axis and its part along it.
-    #[inline]
-    fn split(&self, v: DVec3) -> (DVec2, f64) {
-        (
-            DVec2::new(self.across[0].dot(v), self.across[1].dot(v)),
-            self.axis.dot(v),
-        )
     }
 
     /// The parameters between which the line runs inside the infinite
@@ -122,35 +92,20 @@ impl Cylinder {
         crossings(a, h, closest, start, self.radius)
     }
 
-    /// The ray in the cylinder's coordinates. One from afar first slides to
-    /// where it passes the centre: the coefficients are then as small as the
-    /// cylinder. From the surface itself it starts where it is, since one root
-    /// is known there.
+    /// The ray in the axis' coordinates.
     #[inline]
-    fn slid(&self, origin: DVec3, dir: DVec3, leaving: Option<u32>) -> Slid {
-        let from = origin - self.base;
-        let slide = if leaving.is_some() {
-            0.0
-        } else {
-            (self.axis * (0.5 * self.length) - from).dot(dir) / dir.length_squared()
-        };
-        let (d, dz) = self.split(dir);
-        let (o, oz) = self.split(from + dir * slide);
-        Slid {
-            slide,
-            o,
-            oz,
-            d,
-            dz,
-        }
+    fn slid(&self, origin: DVec3, dir: DVec3, leaving: Option<u32>) -> AxialRay {
+        let middle = 0.5 * self.length;
+        self.axis.slid(origin, dir, middle, leaving.is_some())
     }
 
-    /// Error of a point formed from cylinder coordinates whose absolute sum
-    /// is `reach`: the frame is about eight roundings from orthonormal and
-    /// from the given axis, the length four, products and sums take four;
-    /// adding the base rounds once more.
-    fn error_of(&self, reach: f64, p: DVec3) -> f64 {
-        gamma(16) * reach + gamma(1) * (self.base.abs().max(p.abs())).max_element()
+    /// The stretch inside the capped cylinder, counted from where the ray
+    /// slid to.
+    #[inline]
+    fn span(&self, ray: &AxialRay, leaving: Option<u32>) -> Option<Span> {
+        let (near, far) = self.side_interval(ray.o, ray.d, leaving == Some(SIDE))?;
+        let caps = Span::between_planes(ray.oz, ray.dz, self.length, [BASE, TOP], leaving)?;
+        Span::of_part(near, far, SIDE).overlap(caps)
     }
 }
 
@@ -165,7 +120,7 @@ impl Surface for Cylinder {
     ) -> Option<ShapeHit> {
         let slid = self.slid(origin, dir, leaving);
         if self.capped {
-            return slid.span(self, leaving)?.first(slid.slide, t_max);
+            return self.span(&slid, leaving)?.first(slid.slide, t_max);
         }
         let (near, far) = self.side_interval(slid.o, slid.d, leaving == Some(SIDE))?;
         let within = |t: f64| (0.0..=self.length).contains(&(slid.oz + slid.dz * t));
@@ -185,7 +140,7 @@ impl Surface for Cylinder {
     ) {
         let slid = self.slid(origin, dir, leaving);
         if self.capped {
-            if let Some(span) = slid.span(self, leaving) {
+            if let Some(span) = self.span(&slid, leaving) {
                 span.ends(slid.slide, found);
             }
         } else if let Some((near, far)) = self.side_interval(slid.o, slid.d, leaving == Some(SIDE))
@@ -202,25 +157,20 @@ impl Surface for Cylinder {
 
     #[inline]
     fn surface(&self, origin: DVec3, dir: DVec3, hit: &ShapeHit) -> ShapePoint {
-        let (flat, z) = self.split((origin - self.base) + dir * hit.t);
+        let (flat, z) = self.axis.split((origin - self.axis.base) + dir * hit.t);
         let (flat, z, ng) = match hit.part {
-            BASE => (flat, 0.0, -self.axis),
-            TOP => (flat, self.length, self.axis),
+            BASE => (flat, 0.0, -self.axis.along),
+            TOP => (flat, self.length, self.axis.along),
             _ => {
                 let out = flat.normalize();
-                let ng = self.across[0] * out.x + self.across[1] * out.y;
+                let ng = self.axis.join_flat(out);
                 (out * self.radius, z, ng.normalize())
             }
         };
-        let terms = [
-            self.across[0] * flat.x,
-            self.across[1] * flat.y,
-            self.axis * z,
-        ];
-        let p = self.base + (terms[0] + terms[1] + terms[2]);
+        let p = self.axis.base + self.axis.join(flat, z);
         ShapePoint {
             p,
-            error: self.error_of(flat.x.abs() + flat.y.abs() + z.abs(), p),
+            error: self.axis.error_of(flat.x.abs() + flat.y.abs() + z.abs(), p),
             ng,
             ns: ng,
         }
@@ -232,30 +182,30 @@ impl Surface for Cylinder {
             return Turning::Flat;
         }
         // The side turns only around the axis, by one over the radius.
-        let around = self.axis.cross(at().ns);
+        let around = self.axis.along.cross(at().ns);
         Turning::General(outer(around / self.radius, around))
     }
 
     fn bounds(&self) -> Option<Aabb> {
-        let half = circle_half_widths(self.axis) * self.radius;
-        let top = self.base + self.axis * self.length;
+        let half = circle_half_widths(self.axis.along) * self.radius;
+        let (base, top) = (self.axis.base, self.axis.at(self.length));
         let b = Aabb {
-            min: self.base.min(top) - half,
-            max: self.base.max(top) + half,
+            min: base.min(top) - half,
+            max: base.max(top) + half,
         };
         let reach = 2.0 * self.radius + self.length;
-        Some(b.padded(2.0 * self.error_of(reach, b.min.abs().max(b.max.abs()))))
+        Some(b.padded(2.0 * self.axis.error_of(reach, b.min.abs().max(b.max.abs()))))
     }
 
     fn bounding_sphere(&self) -> Option<BoundingSphere> {
         let half = 0.5 * self.length;
-        let center = self.base + self.axis * half;
+        let center = self.axis.at(half);
         let reach = 2.0 * self.radius + self.length;
         Some(BoundingSphere {
             center,
             // Not by `hypot`, whose last bit depends on the platform.
             radius: (self.radius * self.radius + half * half).sqrt() * (1.0 + gamma(3))
-                + 2.0 * self.error_of(reach, center),
+                + 2.0 * self.axis.error_of(reach, center),
         })
     }
 
@@ -264,7 +214,7 @@ impl Surface for Cylinder {
     }
 
     fn distance_bound(&self, p: DVec3, _within: f64) -> f64 {
-        let (across, along) = self.split(p - self.base);
+        let (across, along) = self.axis.split(p - self.axis.base);
         let side = (across.length() - self.radius).abs();
         if self.capped {
             side.min(along.abs()).min((along - self.length).abs())

@@ -8,6 +8,7 @@
 //! Constructors take input that has been validated: finite, lengths above
 //! zero, directions not zero, edges not parallel.
 
+mod axial;
 mod conic;
 mod cuboid;
 mod cylinder;
