@@ -60,7 +60,9 @@ fn main() {
         .find_map(|a| a.parse::<f64>().ok())
         .unwrap_or(2e6);
     say("The mean of the picture, by rays from the lamp");
-    say("  lamp     hole      rays   arrive   mean/exact   error: predicted  measured   rays for 1 %   Mrays/cpu s");
+    say(
+        "  lamp     hole      rays   arrive   mean/exact   error: predicted  measured   rays for 1 %   Mrays/cpu s",
+    );
     let mut speed = 0.0;
     for [lamp, hole] in GEOMETRIES {
         speed = forward(lamp, hole, rays);

@@ -3,6 +3,8 @@
 
 mod common;
 
+use std::f64::consts::PI;
+
 use common::{ball, renderer, scene, scene_of};
 use nephroid::{
     film::{Film, Image, Layer},
@@ -90,28 +92,12 @@ fn caustic_of_a_ball_lens() {
 /// octaves without progress.
 #[test]
 fn uniform_caustic() {
-    let mut scene = scene_of(
-        "eye: (0, 0, 0.3), look_at: (0, 0, 0), up: (0, 1, 0), height: 0.8",
-        [16, 16],
-        "(shape: Disc(center: (0, 0, 0), normal: (0, 0, 1), radius: 4), material: \"white\"),
-         (shape: Quad(corner: (-2, -2, 0.5), u: (4, 0, 0), v: (0, 4, 0)), material: \"glass\", open: true),
-         (shape: Quad(corner: (-2, 2, 0.4), u: (4, 0, 0), v: (0, -4, 0)), material: \"glass\", open: true)",
-        "Directional(direction: (0, 0, -1), irradiance: 1, beam: (center: (0, 0, 2), radius: 1))",
-        "photons: 1024, indirect: false",
-    );
-    // T = (1 - R) / (1 + R) with R = 0.04.
-    let exact = Image::from_fn(16, 16, |_, _| Rgb::grey(0.96 / 1.04 / std::f64::consts::PI));
+    let (mut scene, exact) = evenly_lit("");
+
     let curve = errors(&mut scene, Layer::Caustic, &exact, 2, 2048);
     let fit = slope(&curve);
-    let renderer = renderer(&scene);
-    let density = 1024.0 * 0.96 / 1.04 / std::f64::consts::PI;
-    let variance = |pass: u32| {
-        let r = 0.8 / 16.0 * renderer.scale(pass / 8);
-        4.0 / (3.0 * std::f64::consts::PI * r * r * density)
-    };
     for (passes, error) in &curve {
-        let sum: f64 = (0..*passes as u32).map(variance).sum();
-        let independent = sum / (passes * passes);
+        let independent = independent_error(&scene, *passes);
         assert!(
             *error < 0.7 * independent,
             "{passes} passes: {error}, independent photons would give {independent}"
@@ -128,6 +114,46 @@ fn uniform_caustic() {
             pair[1].1 < pair[0].1,
             "an octave without progress: {curve:?}"
         );
+    }
+}
+
+/// A floor under a pane, lit from above: the caustic is even.
+fn evenly_lit(render: &str) -> (Scene, Image) {
+    let scene = scene_of(
+        "eye: (0, 0, 0.3), look_at: (0, 0, 0), up: (0, 1, 0), height: 0.8",
+        [16, 16],
+        "(shape: Disc(center: (0, 0, 0), normal: (0, 0, 1), radius: 4), material: \"white\"),
+         (shape: Quad(corner: (-2, -2, 0.5), u: (4, 0, 0), v: (0, 4, 0)), material: \"glass\", open: true),
+         (shape: Quad(corner: (-2, 2, 0.4), u: (4, 0, 0), v: (0, -4, 0)), material: \"glass\", open: true)",
+        "Directional(direction: (0, 0, -1), irradiance: 1, beam: (center: (0, 0, 2), radius: 1))",
+        &format!("photons: 1024, indirect: false{render}"),
+    );
+    // T = (1 - R) / (1 + R) with R = 0.04.
+    let exact = Image::from_fn(16, 16, |_, _| Rgb::grey(0.96 / 1.04 / PI));
+    (scene, exact)
+}
+
+/// Relative mean squared error of its mean over so many passes of independent
+/// photons with circles for kernels.
+fn independent_error(scene: &Scene, passes: f64) -> f64 {
+    let renderer = renderer(scene);
+    let density = 1024.0 * 0.96 / 1.04 / PI;
+    let variance = |pass: u32| {
+        let r = 0.8 / 16.0 * renderer.scale(pass / 8);
+        4.0 / (3.0 * PI * r * r * density)
+    };
+    (0..passes as u32).map(variance).sum::<f64>() / (passes * passes)
+}
+
+/// Without low discrepancy and derivatives what is left is the law of
+/// independent photons in circles, to the digit.
+#[test]
+fn independent_photons_in_circles_follow_their_law() {
+    let (mut scene, exact) = evenly_lit(", sampler: Independent, kernel: Circle");
+    for (passes, error) in errors(&mut scene, Layer::Caustic, &exact, 24, 64) {
+        let ratio = error / independent_error(&scene, passes);
+        // Some 480 patches of the kernel's size: 6.5 % of chance.
+        assert!((0.75..1.25).contains(&ratio), "{passes} passes: {ratio}");
     }
 }
 

@@ -226,12 +226,7 @@ impl Renderer<'_> {
         let (first, mut tally) = whole.map(
             || gather.vicinity(),
             |px, py, near, tally| {
-                let sequence = Sequence::new(
-                    self.settings.seed,
-                    Purpose::Camera,
-                    replicate,
-                    self.item(px, py),
-                );
+                let sequence = self.sequence(Purpose::Camera, replicate, self.item(px, py));
                 let stream = sequence.at_own_order(u64::from(round));
                 gather.sample(self.ray(px, py, &stream), &stream, near, tally)
             },
@@ -248,8 +243,7 @@ impl Renderer<'_> {
                     // Every number of samples has a sequence of its own, of which
                     // each round takes the next part.
                     let item = self.item(px, py) | u64::from(n) << 48;
-                    let sequence =
-                        Sequence::new(self.settings.seed, Purpose::Refinement, replicate, item);
+                    let sequence = self.sequence(Purpose::Refinement, replicate, item);
                     for j in 0..n {
                         let index = u64::from(round) * u64::from(n) + u64::from(j);
                         let stream = sequence.at_own_order(index);
@@ -282,10 +276,10 @@ impl Renderer<'_> {
         [px, py]: [u32; 2],
         tally: &mut CameraTally,
     ) -> Rgb {
-        let (seed, item) = (self.settings.seed, self.item(px, py));
+        let sequence = self.sequence(Purpose::Glint, replicate, self.item(px, py));
         let mut sum = Rgb::BLACK;
         for j in 0..glints::RAYS {
-            let stream = glints::stream(seed, replicate, item, round, j);
+            let stream = sequence.at(u64::from(round) * glints::RAYS + j);
             sum += gather.sources(self.ray(px, py, &stream), &stream, tally);
         }
         sum / glints::RAYS as f64

@@ -97,8 +97,3 @@ impl Glints {
 pub(super) fn pilot_stream(seed: u64, item: u64, j: u64) -> Stream {
     Sequence::new(seed, Purpose::Glint, u32::MAX, item).at(j)
 }
-
-/// Ray number `j` of a round that looks for sources through a pixel.
-pub(super) fn stream(seed: u64, replicate: u32, item: u64, round: u32, j: u64) -> Stream {
-    Sequence::new(seed, Purpose::Glint, replicate, item).at(u64::from(round) * RAYS + j)
-}

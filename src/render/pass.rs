@@ -8,7 +8,7 @@ use crate::{
     photon::{Emitter, PhotonMap, Shot, Tally, shoot},
     plan::Plan,
     sampling::{Purpose, Sequence},
-    scene::{Scene, Settings},
+    scene::{Kernel, Sampler, Scene, Settings},
     transport::{Context, LightPicker},
 };
 
@@ -204,14 +204,29 @@ impl<'a> Renderer<'a> {
                 ..Shot::default()
             };
         };
-        let sequence = Sequence::new(self.settings.seed, Purpose::Photon, replicate, 0);
-        shoot(
+        let mut shot = shoot(
             &self.context(),
             emitter,
-            sequence,
+            self.sequence(Purpose::Photon, replicate, 0),
             u64::from(round) * self.photons,
             self.photons,
-        )
+        );
+        if self.settings.kernel == Kernel::Circle {
+            for photon in &mut shot.photons {
+                photon.footprint = None;
+            }
+        }
+        shot
+    }
+
+    /// The points of a purpose, replicate and item by the sampler that is
+    /// asked for. Pilots have their own.
+    pub(super) fn sequence(&self, purpose: Purpose, replicate: u32, item: u64) -> Sequence {
+        let sequence = Sequence::new(self.settings.seed, purpose, replicate, item);
+        match self.settings.sampler {
+            Sampler::Sobol => sequence,
+            Sampler::Independent => sequence.independent(),
+        }
     }
 
     /// Photon paths of a pass: what the user says, or the power of two with

@@ -33,6 +33,7 @@ pub enum Purpose {
 #[derive(Clone, Copy, Debug)]
 pub struct Sequence {
     key: u64,
+    independent: bool,
 }
 
 impl Sequence {
@@ -42,6 +43,18 @@ impl Sequence {
     pub fn new(seed: u64, purpose: Purpose, replicate: u32, item: u64) -> Self {
         Self {
             key: mix2(mix2(seed, purpose as u64), mix2(u64::from(replicate), item)),
+            independent: false,
+        }
+    }
+
+    /// Random points in place of the sequence's, each independent of the
+    /// others: the first point of a scrambling of its own is anywhere with
+    /// equal chances.
+    #[must_use]
+    pub fn independent(self) -> Self {
+        Self {
+            independent: true,
+            ..self
         }
     }
 
@@ -49,6 +62,13 @@ impl Sequence {
     /// another scrambling.
     #[inline]
     pub fn at(self, index: u64) -> Stream {
+        if self.independent {
+            return Self {
+                key: mix2(self.key, index),
+                independent: false,
+            }
+            .at(0);
+        }
         Stream {
             key: self.key ^ mix(index >> 32),
             index: index as u32,
@@ -194,6 +214,37 @@ mod tests {
         let mut c = Sequence::new(7, Purpose::Photon, 4, 0).at(12345);
         assert_ne!(c.next_1d(), first[0], "replicates differ");
         assert!(first.iter().all(|x| (0.0..1.0).contains(x)));
+    }
+
+    /// Means of stretches of independent points scatter by 1/(12 n), those of
+    /// the sequence by 1/(12 n^3): one point in each n-th part.
+    #[test]
+    fn independent_points_do_not_fill_evenly() {
+        const STRETCH: u64 = 64;
+        const STRETCHES: u64 = 500;
+        let sequence = Sequence::new(1, Purpose::Photon, 0, 0);
+        let scatter = |sequence: Sequence, d: u32| {
+            let squares: f64 = (0..STRETCHES)
+                .map(|stretch| {
+                    let sum: f64 = (stretch * STRETCH..(stretch + 1) * STRETCH)
+                        .map(|i| {
+                            let mut s = sequence.at_own_order(i);
+                            s.seek(d);
+                            s.next_1d() - 0.5
+                        })
+                        .sum();
+                    (sum / STRETCH as f64).powi(2)
+                })
+                .sum();
+            12.0 * squares / STRETCHES as f64
+        };
+        for d in [0, 1, 17, 63, 70] {
+            let share = scatter(sequence.independent(), d) * STRETCH as f64;
+            // A chi-square of 500 degrees of freedom has a spread of 6.3 %.
+            assert!((0.7..1.3).contains(&share), "dimension {d}: {share}");
+        }
+        let even = scatter(sequence, 0) * (STRETCH * STRETCH * STRETCH) as f64;
+        assert!((0.3..1.3).contains(&even), "{even}");
     }
 
     /// Different items at one index are independent: their mean over items is

@@ -38,7 +38,7 @@ mod vocabulary;
 pub use diagnostics::{Diagnostic, Diagnostics, Place};
 pub use load::{MAX_SCENE_BYTES, load, load_str, load_watched};
 pub use scene::{NamedLight, Object, Scene};
-pub use settings::Settings;
+pub use settings::{Kernel, Sampler, Settings};
 pub use summary::{MeshSummary, Summary};
 
 /// Largest length and coordinate in a scene, in metres: far enough for a sun,

@@ -1,5 +1,32 @@
 //! How to render: the `render` block of a scene file with defaults filled in.
 
+use serde::Deserialize;
+
+/// The points at which a render looks: what low discrepancy buys can be seen
+/// by doing without.
+#[derive(Clone, Copy, Debug, Default, Deserialize, PartialEq, Eq)]
+#[serde(rename = "sampler")]
+pub enum Sampler {
+    /// One Owen-scrambled Sobol sequence for each replicate, continued from
+    /// round to round.
+    #[default]
+    Sobol,
+    /// Every path at random, independent of all others.
+    Independent,
+}
+
+/// The area over which a photon's light is spread: what derivatives buy can
+/// be seen by doing without.
+#[derive(Clone, Copy, Debug, Default, Deserialize, PartialEq, Eq)]
+#[serde(rename = "kernel")]
+pub enum Kernel {
+    /// An ellipse as the photon's derivatives tell, where they do.
+    #[default]
+    Footprint,
+    /// A circle for every photon, in proportion to what a pixel sees.
+    Circle,
+}
+
 /// Settings of a render. Every one has a default that needs no thought; the
 /// command line may override each.
 #[derive(Clone, Debug, PartialEq)]
@@ -12,6 +39,10 @@ pub struct Settings {
     pub photons: Option<u64>,
     /// Kernel radius of the first round in pixel footprints, above 0.
     pub radius: f64,
+    /// The points at which photons and camera look.
+    pub sampler: Sampler,
+    /// The area over which a photon's light is spread.
+    pub kernel: Kernel,
     /// Whether light between diffuse surfaces is simulated.
     pub indirect: bool,
     /// Longest chain of surface interactions of a photon or camera path.
@@ -31,6 +62,8 @@ impl Default for Settings {
             seed: 0,
             photons: None,
             radius: 2.0,
+            sampler: Sampler::default(),
+            kernel: Kernel::default(),
             indirect: true,
             max_depth: 64,
             memory: 8 << 30,

@@ -11,7 +11,7 @@ use nephroid::{
     geometry::Transform,
     light::Light,
     material::Material,
-    scene::{Scene, Settings, load, load_str},
+    scene::{Kernel, Sampler, Scene, Settings, load, load_str},
     spectrum::Rgb,
 };
 
@@ -82,6 +82,8 @@ fn the_documentation_names_every_setting_with_its_default() {
         seed,
         photons,
         radius,
+        sampler,
+        kernel,
         indirect,
         max_depth,
         memory,
@@ -92,6 +94,8 @@ fn the_documentation_names_every_setting_with_its_default() {
         ("passes", passes.to_string()),
         ("seed", seed.to_string()),
         ("radius", radius.to_string()),
+        ("sampler", format!("`{sampler:?}`")),
+        ("kernel", format!("`{kernel:?}`")),
         ("indirect", format!("`{indirect}`")),
         ("max_depth", max_depth.to_string()),
         ("memory", format!("`\"{} GiB\"`", memory >> 30)),
@@ -316,13 +320,15 @@ fn settings_come_from_render_and_image() {
         "Scene(camera: (eye: (0, -5, 3), look_at: (0, 0, 0), height: 2),
           image: (width: 64, height: 32, exposure: -0.5),
           render: (passes: 16, seed: 18446744073709551615, photons: 1_000_000, radius: 1.5,
-                   indirect: false, max_depth: 9, memory: \"2 MiB\"))",
+                   sampler: Independent, kernel: Circle, indirect: false, max_depth: 9, memory: \"2 MiB\"))",
     );
     let expected = Settings {
         passes: 16,
         seed: u64::MAX,
         photons: Some(1_000_000),
         radius: 1.5,
+        sampler: Sampler::Independent,
+        kernel: Kernel::Circle,
         indirect: false,
         max_depth: 9,
         memory: 2 << 20,

@@ -189,6 +189,8 @@ impl Builder<'_> {
         let node = *node;
         self.counts(node, value, &mut settings);
         settings.seed = value.seed.unwrap_or(settings.seed);
+        settings.sampler = value.sampler;
+        settings.kernel = value.kernel;
         settings.indirect = value.indirect.unwrap_or(settings.indirect);
         if let Some(radius) = value.radius {
             if (1e-3..=1e3).contains(&radius.0) {

@@ -18,7 +18,7 @@ mod value;
 
 use serde::Deserialize;
 
-use super::outline::NodeId;
+use super::{Kernel, Sampler, outline::NodeId};
 
 pub use curved::{
     BoxShape, ConeShape, EllipsoidShape, HyperboloidShape, ParaboloidShape, QuadricShape,
@@ -188,6 +188,12 @@ pub struct RenderDescription {
     pub photons: Option<u64>,
     /// Kernel radius of the first round in pixel footprints.
     pub radius: Option<Number>,
+    /// The points at which photons and camera look.
+    #[serde(default)]
+    pub sampler: Sampler,
+    /// The area over which a photon's light is spread.
+    #[serde(default)]
+    pub kernel: Kernel,
     /// Whether light between diffuse surfaces is simulated.
     pub indirect: Option<bool>,
     /// Longest chain of surface interactions.
