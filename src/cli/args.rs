@@ -84,7 +84,7 @@ pub(crate) struct RenderArgs {
 
     /// Paths per pass that start at the lights, of methods that choose their number
     /// [default: the scene's, or chosen by the program]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..), verbatim_doc_comment)]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=1 << 31), verbatim_doc_comment)]
     pub(crate) photons: Option<u64>,
 
     /// Make the picture by another method, for comparison

@@ -6,9 +6,8 @@
 //! map; everything else by a gathering ray, which goes on in a random
 //! direction to the next diffuse surface and looks up all light that lands
 //! there in the global map. Both maps hold the photons of the same paths, none
-//! of them aimed. The estimate is that of the nearest photons, weighed by a
-//! cone that falls to zero at the farthest (Jensen 1996, section 4, with
-//! k = 1).
+//! of them aimed. The estimate is that of the nearest photons, weighed by the
+//! paper's cone, the narrowest, which falls to zero at the farthest photon.
 //!
 //! There is nothing progressive about it: each replicate has one caustic map
 //! and one global map, built before its first pass from as many light paths as

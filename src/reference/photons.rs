@@ -128,3 +128,40 @@ impl Landed {
             .then(|| (photon.layer, at.reflectance * photon.flux * FRAC_1_PI))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use super::*;
+    use crate::{
+        reference::{Method, flight::mean_bounces},
+        scene::load_str,
+    };
+
+    /// In a closed body every path lands until the roulette ends it: as often
+    /// as the budget counts with.
+    #[test]
+    fn no_more_photons_than_the_budget_counts_with() {
+        for albedo in [0.1, 0.5, 0.9] {
+            let text = format!(
+                "(camera: (eye: (0, 0, 0), look_at: (1, 0, 0), fov: 40), image: (width: 8, height: 8),
+                  objects: [(shape: Sphere(center: (0, 0, 0), radius: 2),
+                             material: Diffuse(reflectance: {albedo}))],
+                  lights: [Point(position: (0, 0, 1), power: 1)], render: (max_depth: 500))"
+            );
+            let scene = load_str(&text, "test.ron", Path::new("")).unwrap_or_else(|e| panic!("{e}"));
+            let window = [0, 0, 8, 8];
+            let setup = Setup::new(&scene, &scene.settings, Method::Sppm, [8, 8], window, 1);
+            let paths = 1 << 14;
+            let photons = shoot(&setup, 0, 0, paths, |_| true);
+            let mean = photons.len() as f64 / paths as f64;
+            let most = mean_bounces(albedo);
+            assert!(mean < 1.02 * most && mean > 0.85 * most, "{mean} {most}");
+            // All light lands at first: the flux of direct photons is the power.
+            let direct = photons.iter().filter(|p| p.layer == Layer::Direct);
+            let power: f64 = direct.map(|p| p.flux[1] / paths as f64).sum();
+            assert!((power - 1.0).abs() < 1e-9, "{power}");
+        }
+    }
+}

@@ -167,6 +167,12 @@ impl<'a> Elements<'a> {
         &self.elements
     }
 
+    /// The instance to which an element belongs.
+    #[cfg(test)]
+    pub(super) fn instance(&self, element: usize) -> u32 {
+        self.elements[element].instance
+    }
+
     /// Reflectance of an element.
     pub(super) fn reflectance(&self, element: usize) -> crate::spectrum::Rgb {
         let instance = self.elements[element].instance as usize;
