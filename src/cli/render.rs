@@ -189,7 +189,10 @@ fn options(typed: &RenderArgs) -> Options {
     let default = Options::default();
     Options {
         nearest: typed.nearest.unwrap_or(default.nearest),
-        patches: typed.patches.and_then(NonZero::new).unwrap_or(default.patches),
+        patches: typed
+            .patches
+            .and_then(NonZero::new)
+            .unwrap_or(default.patches),
     }
 }
 

@@ -54,9 +54,7 @@ impl PointIndex {
             .collect();
         // The builder refuses nothing that is finite and indexable by u32.
         let tree = (!entries.is_empty())
-            .then(|| {
-                Tree::new_from_source_parallel(&entries, |e, axis| e.0[axis], |_, e| e.1).ok()
-            })
+            .then(|| Tree::new_from_source_parallel(&entries, |e, axis| e.0[axis], |_, e| e.1).ok())
             .flatten();
         let count = entries.len();
         Self {
@@ -186,7 +184,11 @@ mod tests {
                         let limit = radius * radius + sign * slack(radius * radius);
                         all.iter().filter(|(d2, _)| *d2 < limit).count()
                     };
-                    let count = if radius > 0.0 { own(-1.0)..=own(1.0) } else { 0..=0 };
+                    let count = if radius > 0.0 {
+                        own(-1.0)..=own(1.0)
+                    } else {
+                        0..=0
+                    };
                     assert!(count.contains(&found.len()), "cloud {c}, {radius}");
                 }
             }

@@ -139,7 +139,8 @@ impl Method {
                 note(if self == Self::Sppm {
                     "the picture is blurred by circles that shrink from pass to pass".to_owned()
                 } else {
-                    "the picture is blurred by circles that only more photons make smaller".to_owned()
+                    "the picture is blurred by circles that only more photons make smaller"
+                        .to_owned()
                 });
             }
             Self::Radiosity => {

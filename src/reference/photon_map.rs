@@ -48,7 +48,12 @@ pub(super) struct Maps {
 
 impl Maps {
     /// Traces `paths` paths of a replicate.
-    pub(super) fn new(setup: &Setup<'_>, replicate: u32, paths: u64, nearest: NonZero<u32>) -> Self {
+    pub(super) fn new(
+        setup: &Setup<'_>,
+        replicate: u32,
+        paths: u64,
+        nearest: NonZero<u32>,
+    ) -> Self {
         let all = shoot(setup, replicate, 0, paths, |_| true);
         let of_caustics = all.iter().filter(|photon| photon.layer == Layer::Caustic);
         Self {

@@ -150,7 +150,8 @@ mod tests {
                              material: Diffuse(reflectance: {albedo}))],
                   lights: [Point(position: (0, 0, 1), power: 1)], render: (max_depth: 500))"
             );
-            let scene = load_str(&text, "test.ron", Path::new("")).unwrap_or_else(|e| panic!("{e}"));
+            let scene =
+                load_str(&text, "test.ron", Path::new("")).unwrap_or_else(|e| panic!("{e}"));
             let window = [0, 0, 8, 8];
             let setup = Setup::new(&scene, &scene.settings, Method::Sppm, [8, 8], window, 1);
             let paths = 1 << 14;

@@ -127,10 +127,19 @@ fn a_method_is_chosen_by_its_name() {
 fn what_a_method_has_no_use_for_is_refused() {
     let directory = workplace();
     for (arguments, complaint) in [
-        (["--method", "path"].as_slice(), "--photons is not for --method path"),
-        (&["--method", "sppm", "--nearest", "9"], "--nearest is not for --method sppm"),
+        (
+            ["--method", "path"].as_slice(),
+            "--photons is not for --method path",
+        ),
+        (
+            &["--method", "sppm", "--nearest", "9"],
+            "--nearest is not for --method sppm",
+        ),
         (&["--patches", "9"], "--patches is not for --method photons"),
-        (&["--method", "radiosity"], "cannot divide objects[0] into elements"),
+        (
+            &["--method", "radiosity"],
+            "cannot divide objects[0] into elements",
+        ),
     ] {
         let output = render(directory.path(), arguments);
         assert_eq!(code(&output), 2, "{arguments:?}");
@@ -139,7 +148,16 @@ fn what_a_method_has_no_use_for_is_refused() {
     }
     assert_eq!(names(directory.path()), ["scene.ron"]);
     let arguments = [
-        "-o", "a.exr", "--passes", "2", "--method", "photon-map", "--nearest", "9", "--json", "-",
+        "-o",
+        "a.exr",
+        "--passes",
+        "2",
+        "--method",
+        "photon-map",
+        "--nearest",
+        "9",
+        "--json",
+        "-",
     ];
     let output = render(directory.path(), &arguments);
     assert_eq!(code(&output), 0, "{}", text(&output.stderr));
@@ -157,11 +175,21 @@ fn a_budget_is_kept_by_every_method() {
     let small = format!("{scene} render: (memory: \"64 MiB\"))");
     fs::write(directory.path().join("scene.ron"), small).unwrap();
     for method in ["path", "light", "bdpt", "metropolis", "sppm", "photon-map"] {
-        let arguments = ["render", "scene.ron", "--resolution", "640x480", "--method", method];
+        let arguments = [
+            "render",
+            "scene.ron",
+            "--resolution",
+            "640x480",
+            "--method",
+            method,
+        ];
         let output = run(directory.path(), &arguments);
         let words = text(&output.stderr);
         assert_eq!(code(&output), 2, "{method}: {words}");
-        assert!(words.contains(method) && words.contains("render.memory"), "{words}");
+        assert!(
+            words.contains(method) && words.contains("render.memory"),
+            "{words}"
+        );
     }
 }
 

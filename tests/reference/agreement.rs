@@ -7,9 +7,7 @@ use nephroid::{
 
 use super::{
     BDPT, LIGHT, METROPOLIS, MOST_ERRORS, PATH, PHOTON_MAP, Photons, RADIOSITY, ROOM, SPPM, VIEW,
-    assert_agree, by_method, common,
-    common::scene_of,
-    film, job, whole,
+    assert_agree, by_method, common, common::scene_of, film, job, whole,
 };
 
 /// A room of diffuse walls: all methods own all its paths.

@@ -93,7 +93,13 @@ fn caustic_of_a_point() {
         "Point(position: (0.3, 0.2, 3), power: 50)",
         "",
     );
-    let all = [(LIGHT, 12), (BDPT, 8), (Photons, 3), (PHOTON_MAP, 4), (SPPM, 6)];
+    let all = [
+        (LIGHT, 12),
+        (BDPT, 8),
+        (Photons, 8),
+        (PHOTON_MAP, 4),
+        (SPPM, 6),
+    ];
     assert_agree(&scene, &all, 0.04, 0.02, "point");
 }
 

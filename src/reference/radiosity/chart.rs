@@ -212,10 +212,7 @@ impl Chart {
             } => {
                 let d = p - center;
                 let across = d - frame.n * d.dot(frame.n);
-                [
-                    across.length_squared() / (radius * radius),
-                    turn(frame, d),
-                ]
+                [across.length_squared() / (radius * radius), turn(frame, d)]
             }
             Self::Sphere { center, radius } => {
                 let d = p - center;

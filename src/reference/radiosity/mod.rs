@@ -120,8 +120,7 @@ impl<'a> Solver<'a> {
             && let Some(side) = self.side(&next)
         {
             let radiosity = next.reflectance * solution.0[side];
-            sample[Layer::Indirect] +=
-                flight.throughput * radiosity * std::f64::consts::FRAC_1_PI;
+            sample[Layer::Indirect] += flight.throughput * radiosity * std::f64::consts::FRAC_1_PI;
         }
         random.seek(Layout::light(depth));
         sample[Layer::Direct] += seen * lit(&ctx, &setup.sources(), &at, random, |_, _| 1.0);
@@ -148,7 +147,9 @@ impl<'a> Solver<'a> {
             self.landing(setup, &mut flight, &mut stream)
         };
         land(paths, &lights, &mut arrived);
-        arrived.iter_mut().for_each(|flux| *flux = *flux / paths as f64);
+        arrived
+            .iter_mut()
+            .for_each(|flux| *flux = *flux / paths as f64);
 
         let mut total = arrived.clone();
         let mut first_power = None;
@@ -251,7 +252,11 @@ fn land(count: u64, ray: &(impl Fn(u64) -> Option<Landing> + Sync), arrived: &mu
     for first in (0..chunks).step_by(BATCH as usize) {
         let found: Vec<Vec<Landing>> = (first..(first + BATCH).min(chunks))
             .into_par_iter()
-            .map(|c| (c * CHUNK..((c + 1) * CHUNK).min(count)).filter_map(ray).collect())
+            .map(|c| {
+                (c * CHUNK..((c + 1) * CHUNK).min(count))
+                    .filter_map(ray)
+                    .collect()
+            })
             .collect();
         for (side, flux) in found.into_iter().flatten() {
             arrived[side] += flux;

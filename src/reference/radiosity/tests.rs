@@ -33,7 +33,14 @@ fn grey(shape: &str) -> String {
 /// Shares of the rays from a side of instance `from` (0 in front, 1 behind its
 /// normals), spread over its area, that land on each instance.
 fn form_factors(scene: &Scene, patches: u32, from: u32, behind: usize) -> Vec<f64> {
-    let setup = Setup::new(scene, &scene.settings, Method::Radiosity, [8, 8], [0, 0, 8, 8], 1);
+    let setup = Setup::new(
+        scene,
+        &scene.settings,
+        Method::Radiosity,
+        [8, 8],
+        [0, 0, 8, 8],
+        1,
+    );
     let solver = Solver::new(scene, patches);
     let own: Vec<usize> = (0..solver.elements.all().len())
         .filter(|e| solver.elements.instance(*e) == from)
@@ -61,7 +68,10 @@ fn form_factors(scene: &Scene, patches: u32, from: u32, behind: usize) -> Vec<f6
 }
 
 fn assert_factor(found: f64, exact: f64, what: &str) {
-    assert!((found - exact).abs() < CLOSE, "{what}: {found}, exactly {exact}");
+    assert!(
+        (found - exact).abs() < CLOSE,
+        "{what}: {found}, exactly {exact}"
+    );
 }
 
 /// Between a disc of radius `a` and one of radius `b` on the same axis at
@@ -94,7 +104,9 @@ fn form_factors_are_the_closed_forms() {
     let ceiling = grey("Quad(corner: (0, 0, 1), u: (0, 1, 0), v: (1, 0, 0))");
     let wall = grey("Quad(corner: (0, 0, 0), u: (0, 1, 0), v: (0, 0, 1))");
     let disc = |z: f64, nz: f64, r: f64| {
-        grey(&format!("Disc(center: (0, 0, {z:?}), normal: (0, 0, {nz:?}), radius: {r:?})"))
+        grey(&format!(
+            "Disc(center: (0, 0, {z:?}), normal: (0, 0, {nz:?}), radius: {r:?})"
+        ))
     };
     for patches in [1, 7] {
         let squares = scene(&format!("{floor}{ceiling}{wall}"));
@@ -118,7 +130,11 @@ fn form_factors_are_the_closed_forms() {
             0,
             0,
         );
-        assert_factor(f[1], 1.5 * 1.5 / (1.5 * 1.5 + 1.2 * 1.2), "a point and a disc");
+        assert_factor(
+            f[1],
+            1.5 * 1.5 / (1.5 * 1.5 + 1.2 * 1.2),
+            "a point and a disc",
+        );
     }
 }
 
@@ -130,8 +146,7 @@ fn form_factors_of_bodies() {
     // the box sees the ball by the ratio of their areas.
     let ball = grey("Sphere(center: (0.2, 0.1, 0.4), radius: 0.3)");
     let case = grey("Box(min: (-1, -1, -1), max: (1, 1, 1))");
-    let tube =
-        grey("Cylinder(base: (0, 0, -1), end: (0, 0, 1.5), radius: 1, capped: true)");
+    let tube = grey("Cylinder(base: (0, 0, -1), end: (0, 0, 1.5), radius: 1, capped: true)");
     let squashed = grey("Sphere(center: (0, 0, 0), radius: 0.5), at: (scale: (1, 0.6, 0.3))");
     for (outer, area) in [(&case, 24.0), (&tube, 2.0 * PI * (1.0 + 2.5))] {
         let scene = scene(&format!("{ball}{outer}"));
