@@ -90,7 +90,7 @@ fn caustic_of_a_point() {
         [24, 24],
         "(shape: Quad(center: (0, 0, 0), size: (4, 4), normal: (0, 0, 1)), material: \"grey\"),
          (shape: Sphere(center: (0, 0, 1), radius: 0.5), material: \"glass\"),",
-        "Point(position: (0.3, 0.2, 3), power: 50)",
+        "Point(position: (0.15, 0.1, 1.9), power: 50)",
         "",
     );
     let all = [

@@ -62,7 +62,9 @@ impl By {
     fn slack(self, blur: f64) -> f64 {
         match self {
             Photons => blur,
-            SPPM | PHOTON_MAP => 0.01 + 2.0 * blur,
+            SPPM => 0.01 + 2.0 * blur,
+            // Its circles do not shrink.
+            PHOTON_MAP => 0.01 + 5.0 * blur,
             RADIOSITY => 0.01,
             By::Method(_) => 0.0,
         }
