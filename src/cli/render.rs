@@ -161,7 +161,10 @@ fn job(typed: &RenderArgs, scene: &Scene) -> Result<Job, Failure> {
 /// Whether the method can render the job, and what was typed concerns it.
 fn check_fit(typed: &RenderArgs, scene: &Scene, job: &Job) -> Result<(), Failure> {
     let unused = |flag: &str, why: &str| {
-        let name = typed.method.name();
+        let name = match typed.method {
+            Method::Photons => "photons",
+            Method::Reference(method) => method.name(),
+        };
         let message = format!("{flag} is not for --method {name}: {why}; leave it out");
         Err(Failure::bad_input(message))
     };

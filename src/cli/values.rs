@@ -53,21 +53,9 @@ pub(crate) enum Method {
 }
 
 impl Method {
-    /// The name that is typed.
-    pub(crate) const fn name(self) -> &'static str {
-        match self {
-            Self::Photons => "photons",
-            Self::Reference(method) => method.name(),
-        }
-    }
-
     /// The name that is typed, and what it means.
     fn known() -> Vec<(Self, &'static str, &'static str)> {
-        let mut all = vec![(
-            Self::Photons,
-            Self::Photons.name(),
-            "the photon map: the renderer",
-        )];
+        let mut all = vec![(Self::Photons, "photons", "the photon map: the renderer")];
         let references =
             reference::Method::ALL.map(|m| (Self::Reference(m), m.name(), m.summary()));
         all.extend(references);

@@ -244,10 +244,9 @@ pub fn render(
     let start = Instant::now();
     let crop = job.window();
     let reference = Reference::new(scene, job, method, options)?;
-    let mut passes = reference.passes();
     let mut film = Film::new(crop[2], crop[3], film_quantum(scene));
     let (mut done, mut interrupted) = (0, false);
-    while let Some(samples) = passes.next() {
+    for samples in reference.passes() {
         film.add_pass(done, &samples);
         done += 1;
         let elapsed = start.elapsed();

@@ -106,7 +106,7 @@ impl Method {
                 if facts.shines {
                     note("lights themselves are not seen".to_owned());
                 }
-                if facts.sun {
+                if has_sun(scene) {
                     note("the sun lights only what lies in the shadow of the sphere around all bounded objects".to_owned());
                 }
             }
@@ -133,7 +133,7 @@ impl Method {
                 }
             }
             Self::PhotonMap | Self::Sppm => {
-                if facts.sun {
+                if has_sun(scene) {
                     note("what the sun sends by way of other surfaces is missing where its light first meets one beyond the shadow of the sphere around all bounded objects".to_owned());
                 }
                 note(if self == Self::Sppm {
@@ -147,7 +147,7 @@ impl Method {
                 if facts.specular {
                     note("mirrors and glass are black, and the light that comes by way of them is missing".to_owned());
                 }
-                if facts.sun {
+                if has_sun(scene) {
                     note("indirect light of the sun is missing where its light falls beyond the shadow of the sphere around all bounded objects".to_owned());
                 }
             }
@@ -157,12 +157,16 @@ impl Method {
     }
 }
 
+fn has_sun(scene: &Scene) -> bool {
+    let is_sun = |l: &NamedLight| matches!(l.light, Light::Sun(_));
+    scene.lights.iter().any(is_sun)
+}
+
 /// What decides on what methods see.
 struct Facts {
     caustics: bool,
     specular: bool,
     shines: bool,
-    sun: bool,
     /// Names of the lights without extent.
     without_extent: Option<String>,
 }
@@ -179,10 +183,6 @@ impl Facts {
         Self {
             caustics: any(Material::casts_caustics) && any(Material::is_finite),
             specular: any(|m| m.is_specular() && !m.is_straight()),
-            sun: scene
-                .lights
-                .iter()
-                .any(|l: &NamedLight| matches!(l.light, Light::Sun(_))),
             shines: scene.lights.iter().any(|l| l.light.has_extent()),
             without_extent: (!names.is_empty()).then(|| names.join(", ")),
         }

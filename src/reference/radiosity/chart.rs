@@ -54,8 +54,7 @@ pub(super) enum Chart {
 pub(super) fn parts(shape: &Shape) -> Option<u32> {
     Some(match shape {
         Shape::Quad(_) | Shape::Disc(_) | Shape::Sphere(_) | Shape::Triangle(_) => 1,
-        Shape::Cylinder(c) if c.is_capped() => 3,
-        Shape::Cylinder(_) => 1,
+        Shape::Cylinder(c) => 1 + 2 * u32::from(c.is_capped()),
         Shape::Cuboid(_) => 6,
         // A mesh has fewer triangles than 2^28.
         Shape::Mesh(mesh) => mesh.triangle_count() as u32,

@@ -43,7 +43,7 @@ struct Grid {
 /// All elements of a scene.
 pub(super) struct Elements<'a> {
     scene: &'a Scene,
-    elements: Vec<Element>,
+    cells: Vec<Element>,
     /// For every instance, the grids of its parts; none if it isn't diffuse.
     grids: Vec<Vec<Grid>>,
 }
@@ -157,25 +157,25 @@ impl<'a> Elements<'a> {
         });
         Self {
             scene,
-            elements,
+            cells: elements,
             grids,
         }
     }
 
     /// Every element.
     pub(super) fn all(&self) -> &[Element] {
-        &self.elements
+        &self.cells
     }
 
     /// The instance to which an element belongs.
     #[cfg(test)]
     pub(super) fn instance(&self, element: usize) -> u32 {
-        self.elements[element].instance
+        self.cells[element].instance
     }
 
     /// Reflectance of an element.
     pub(super) fn reflectance(&self, element: usize) -> crate::spectrum::Rgb {
-        let instance = self.elements[element].instance as usize;
+        let instance = self.cells[element].instance as usize;
         match self.scene.objects[instance].material {
             crate::material::Material::Diffuse { reflectance } => reflectance,
             _ => crate::spectrum::Rgb::BLACK,
@@ -206,7 +206,7 @@ impl<'a> Elements<'a> {
     /// its area there over the mean density: the weight of a point if `u` is
     /// drawn evenly.
     pub(super) fn point(&self, element: usize, u: [f64; 2]) -> Option<(SurfacePoint, f64)> {
-        let e = self.elements[element];
+        let e = self.cells[element];
         let placed = &self.scene.world.instances()[e.instance as usize];
         let cells = self.grids[e.instance as usize][e.part as usize].cells;
         let chart = Chart::of(&placed.shape, e.part)?;

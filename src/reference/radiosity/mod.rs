@@ -147,9 +147,9 @@ impl<'a> Solver<'a> {
             self.landing(setup, &mut flight, &mut stream)
         };
         land(paths, &lights, &mut arrived);
-        arrived
-            .iter_mut()
-            .for_each(|flux| *flux = *flux / paths as f64);
+        for flux in &mut arrived {
+            *flux = *flux / paths as f64;
+        }
 
         let mut total = arrived.clone();
         let mut first_power = None;
