@@ -21,7 +21,8 @@ use clock::Clock;
 use glam::DVec3;
 use nephroid::{
     geometry::{Surface, shape::Disc},
-    reference::{Forward, Method, Pinhole, Reference},
+    reference::{Forward, Method, Options, Pinhole, Reference},
+    render::Job,
     sampling::{Purpose, Sequence, warp},
     scene::{self, Scene},
 };
@@ -115,19 +116,22 @@ fn measure(lamp: f64, method: Method, hole: f64, paths: f64) -> Measured {
     let scene = lit_disc(lamp);
     let per_pass = f64::from(PIXELS * PIXELS);
     let passes = (paths / per_pass / RUNS as f64).ceil().max(1.0) as u32;
-    let mut settings = scene.settings.clone();
+    let mut job = Job::of(&scene);
+    job.settings.passes = passes;
     let clock = Clock::start();
     let means: Vec<f64> = (0..RUNS)
         .map(|seed| {
-            settings.seed = seed;
-            let window = [0, 0, PIXELS, PIXELS];
-            let reference = Reference::new(&scene, &settings, method, scene.resolution, window)
+            job.settings.seed = seed;
+            let reference = Reference::new(&scene, &job, method, Options::default())
+                .unwrap_or_else(|e| panic!("{e}"))
                 .with_pinhole(Pinhole {
                     radius: hole,
                     depth: EYE,
                 });
-            let sums: f64 = (0..passes)
-                .flat_map(|pass| reference.pass(pass))
+            let sums: f64 = reference
+                .passes()
+                .take(passes as usize)
+                .flatten()
                 .map(|sample| sample.total().mean())
                 .sum();
             sums / (per_pass * f64::from(passes)) / exact_mean(lamp)

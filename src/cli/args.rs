@@ -1,6 +1,6 @@
 //! What was typed. The doc comments are the help texts.
 
-use std::{path::PathBuf, time::Duration};
+use std::{num::NonZero, path::PathBuf, time::Duration};
 
 use clap::{Args, Parser, Subcommand, builder::TypedValueParser as _};
 
@@ -82,13 +82,22 @@ pub(crate) struct RenderArgs {
     #[arg(long, value_name = "X,Y,WxH", value_parser = crop, verbatim_doc_comment)]
     pub(crate) crop: Option<Crop>,
 
-    /// Photon paths per pass [default: the scene's, or chosen by the program]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
+    /// Paths per pass that start at the lights, of methods that choose their number
+    /// [default: the scene's, or chosen by the program]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=1 << 31), verbatim_doc_comment)]
     pub(crate) photons: Option<u64>,
 
     /// Make the picture by another method, for comparison
     #[arg(long, value_name = "NAME", value_parser = method(), default_value = "photons")]
     pub(crate) method: Method,
+
+    /// Photons of an estimate, of method photon-map [default: 64]
+    #[arg(long, value_name = "N")]
+    pub(crate) nearest: Option<NonZero<u32>>,
+
+    /// Elements along the scene, of method radiosity [default: 32]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=4096))]
+    pub(crate) patches: Option<u32>,
 
     /// Say nothing unless something goes wrong
     #[arg(short, long)]

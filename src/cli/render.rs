@@ -3,13 +3,13 @@
 //! Everything that can be found wrong is found before the first photon: the
 //! names of the files, whether they can be written, the scene, the crop.
 
-use std::{fmt::Display, fs, ops::ControlFlow, path::Path, time::Duration};
+use std::{fmt::Display, fs, num::NonZero, ops::ControlFlow, path::Path, time::Duration};
 
 use serde::Serialize;
 
 use nephroid::{
     film::{self, Attribute, Film, OutputError, Provenance, Window, atomic},
-    reference,
+    reference::{self, Options},
     render::{self, Job, Progress},
     scene::Scene,
 };
@@ -76,6 +76,7 @@ pub(super) fn run(typed: &RenderArgs) -> Result<Exit, Failure> {
     let scene =
         progress::load(&typed.scene, typed.quiet).map_err(|mistakes| Failure::scene(&mistakes))?;
     let job = job(typed, &scene)?;
+    check_fit(typed, &scene, &job)?;
     if !typed.quiet {
         for warning in Media::of(&scene).warnings {
             tell(format_args!("warning: {warning}"));
@@ -87,7 +88,7 @@ pub(super) fn run(typed: &RenderArgs) -> Result<Exit, Failure> {
         }
     }
     let interrupt = Interrupt::listen();
-    let (outcome, last) = render(typed, &scene, &job, &interrupt);
+    let (outcome, last) = render(typed, &scene, &job, &interrupt)?;
     let was_interrupted = outcome.interrupted && interrupt.is_requested();
     interrupt.start_saving();
     let provenance = Provenance {
@@ -154,8 +155,48 @@ fn job(typed: &RenderArgs, scene: &Scene) -> Result<Job, Failure> {
             .map(|c| [c.origin[0], c.origin[1], c.size[0], c.size[1]]),
         time: typed.time,
     };
-    job.check().map_err(Failure::bad_input)?;
     Ok(job)
+}
+
+/// Whether the method can render the job, and what was typed concerns it.
+fn check_fit(typed: &RenderArgs, scene: &Scene, job: &Job) -> Result<(), Failure> {
+    let unused = |flag: &str, why: &str| {
+        let name = match typed.method {
+            Method::Photons => "photons",
+            Method::Reference(method) => method.name(),
+        };
+        let message = format!("{flag} is not for --method {name}: {why}; leave it out");
+        Err(Failure::bad_input(message))
+    };
+    let is = |method| typed.method == Method::Reference(method);
+    if typed.nearest.is_some() && !is(reference::Method::PhotonMap) {
+        return unused("--nearest", "only photon-map looks for nearest photons");
+    }
+    if typed.patches.is_some() && !is(reference::Method::Radiosity) {
+        return unused("--patches", "only radiosity divides surfaces");
+    }
+    match typed.method {
+        Method::Photons => job.check().map_err(Failure::bad_input),
+        Method::Reference(method) => {
+            if typed.photons.is_some() && !method.has_light_paths() {
+                let why = "it starts no paths at the lights, or one for each from the eye";
+                return unused("--photons", why);
+            }
+            reference::check(scene, job, method, options(typed)).map_err(Failure::bad_input)
+        }
+    }
+}
+
+/// What was typed for single methods.
+fn options(typed: &RenderArgs) -> Options {
+    let default = Options::default();
+    Options {
+        nearest: typed.nearest.unwrap_or(default.nearest),
+        patches: typed
+            .patches
+            .and_then(NonZero::new)
+            .unwrap_or(default.patches),
+    }
 }
 
 fn check_crop(crop: Crop, resolution: [u32; 2]) -> Result<(), Failure> {
@@ -175,7 +216,7 @@ fn render(
     scene: &Scene,
     job: &Job,
     interrupt: &Interrupt,
-) -> (Finished, Progress) {
+) -> Result<(Finished, Progress), Failure> {
     // With a time given the scene's number of passes is no limit, but one that
     // was typed is, and the one that is reached first ends the render.
     let goal = match job.time {
@@ -211,7 +252,9 @@ fn render(
             Finished::new(outcome.film, outcome.interrupted, &outcome.report)
         }
         Method::Reference(method) => {
-            let outcome = reference::render(scene, job, method, &mut on_progress);
+            let options = options(typed);
+            let outcome = reference::render(scene, job, method, options, &mut on_progress)
+                .map_err(Failure::bad_input)?;
             let name = Attribute::Text(method.name().to_owned());
             Finished {
                 attributes: vec![("method".to_owned(), name)],
@@ -220,7 +263,7 @@ fn render(
         }
     };
     reporter.finish();
-    (finished, last)
+    Ok((finished, last))
 }
 
 /// Writes every file, also after one has failed: what was computed is worth

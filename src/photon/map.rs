@@ -19,7 +19,7 @@ mod vicinity;
 
 use glam::{DMat3, DVec3};
 
-use crate::spectrum::Rgb;
+use crate::{geometry::points::off_axis, spectrum::Rgb};
 
 use super::Photon;
 
@@ -131,7 +131,7 @@ impl PhotonMap {
         shrink: f64,
         of_bounced: fn(&[&Photon], DMat3, f64) -> Vec<Class>,
     ) -> Self {
-        let rotation = order::off_axis();
+        let rotation = off_axis();
         let mut kept: Vec<&Photon> = photons
             .iter()
             .filter(|p| p.position.is_finite() && p.flux.is_finite())

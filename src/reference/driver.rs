@@ -1,6 +1,6 @@
 //! Passes of a reference method, and the loop over them.
 
-use std::{fmt, ops::ControlFlow, time::Instant};
+use std::{array::from_fn, fmt, num::NonZero, ops::ControlFlow, time::Instant};
 
 use serde::Serialize;
 
@@ -9,12 +9,15 @@ use crate::{
     metrics::relative_noise,
     plan::film_quantum,
     render::{Job, Progress, REPLICATES},
-    scene::{Scene, Settings},
+    scene::Scene,
 };
 
 use super::{
-    Method, Pinhole, bdpt, light, metropolis, naive, path,
+    Method, Options, Pinhole, Refused, bdpt, check, light, memory, metropolis, naive, path,
+    photon_map::Maps,
+    radiosity::Solver,
     setup::{Contribution, Setup, Shares},
+    sppm::Run,
     whitted,
 };
 
@@ -23,29 +26,42 @@ pub struct Reference<'a> {
     setup: Setup<'a>,
     method: Method,
     pinhole: Pinhole,
+    nearest: NonZero<u32>,
+    /// Passes of each replicate that the settings ask for.
+    rounds: u32,
+    /// Only of the method that needs it.
+    solver: Option<Solver<'a>>,
 }
 
 impl<'a> Reference<'a> {
-    /// Prepares a render of the window `crop` (x, y, width, height in pixels)
-    /// of a picture of the given resolution. The pinhole of
+    /// Prepares the render of a job by a method. The pinhole of
     /// [`Method::LightNaive`] is as wide as two pixels of what is in the
     /// middle of the scene.
+    ///
+    /// # Errors
+    /// As [`check`].
     pub fn new(
         scene: &'a Scene,
-        settings: &Settings,
+        job: &Job,
         method: Method,
-        resolution: [u32; 2],
-        crop: [u32; 4],
-    ) -> Self {
-        let setup = Setup::new(scene, settings, method, resolution, crop);
+        options: Options,
+    ) -> Result<Self, Refused> {
+        check(scene, job, method, options)?;
+        let paths = memory::light_paths(scene, job, method, options)?;
+        let (settings, resolution) = (&job.settings, job.resolution);
+        let setup = Setup::new(scene, settings, method, resolution, job.window(), paths);
         let middle = scene.world.bounds().map(|b| b.bounding_sphere().center);
         let distance = middle.map_or(1.0, |m| (m - setup.camera.eye()).length());
         let distance = if distance > 0.0 { distance } else { 1.0 };
-        Self {
+        Ok(Self {
             pinhole: Pinhole::for_distance(&setup.camera, distance),
             setup,
             method,
-        }
+            nearest: options.nearest,
+            rounds: settings.passes.max(1).div_ceil(REPLICATES),
+            solver: (method == Method::Radiosity)
+                .then(|| Solver::new(scene, options.patches.get())),
+        })
     }
 
     /// The same with a given pinhole.
@@ -54,29 +70,26 @@ impl<'a> Reference<'a> {
         Self { pinhole, ..self }
     }
 
-    /// Runs pass `index`: radiance per pixel and layer, row by row. Methods
-    /// that look pixel by pixel take one sample of each; light tracing follows
-    /// one path for each pixel of the film, bidirectional path tracing one
-    /// pair of paths; Metropolis makes one step, beside its pilot.
-    pub fn pass(&self, index: u32) -> Vec<PixelSample> {
-        let (round, replicate) = (index / REPLICATES, index % REPLICATES);
-        let setup = &self.setup;
-        match self.method {
-            Method::Path => setup.by_pixel(replicate, round, |film, mut stream| {
-                path::radiance(setup, setup.camera.ray(film), &mut stream)
-            }),
-            Method::Whitted => setup.by_pixel(replicate, round, |film, stream| {
-                whitted::radiance(setup, setup.camera.ray(film), stream)
-            }),
-            Method::Light => self.by_lights(replicate, round, |paths, stream, found| {
-                light::trace(setup, paths, stream, found);
-            }),
-            Method::LightNaive => self.by_lights(replicate, round, |paths, stream, found| {
-                naive::trace(setup, &self.pinhole, paths, stream, found);
-            }),
-            Method::Bdpt => bdpt::pass(setup, replicate, round),
-            Method::Metropolis => metropolis::pass(setup, replicate, round),
+    /// The passes from the first on, without end.
+    pub fn passes(&self) -> Passes<'_> {
+        Passes {
+            reference: self,
+            next: 0,
+            maps: from_fn(|_| None),
+            runs: from_fn(|_| None),
         }
+    }
+
+    /// Light paths that start in all passes before pass `index`; 0 of methods
+    /// for which their number cannot be chosen.
+    pub fn light_paths(&self, index: u32) -> u64 {
+        let passes = match self.method {
+            // All at the first pass of a replicate.
+            Method::PhotonMap => u64::from(self.rounds) * u64::from(index.min(REPLICATES)),
+            method if method.has_light_paths() => u64::from(index),
+            _ => 0,
+        };
+        passes * self.setup.light_paths()
     }
 
     /// A pass of paths from the lights, points of one sequence.
@@ -86,11 +99,69 @@ impl<'a> Reference<'a> {
         round: u32,
         trace: impl Fn(u64, &mut crate::sampling::Stream, &mut Vec<Contribution>) + Sync,
     ) -> Vec<PixelSample> {
-        let paths = self.setup.film_pixels();
+        let paths = self.setup.light_paths();
         let sequence = self.setup.sequence(replicate, 0);
         self.setup.by_sample(paths, Shares::PATHS, |i, found| {
             let mut stream = sequence.at(u64::from(round) * paths + i);
             trace(paths, &mut stream, found);
+        })
+    }
+}
+
+/// The passes of a render, one after the other: radiance per pixel and layer,
+/// row by row. The mean of the passes of a replicate is its picture.
+///
+/// Methods that look pixel by pixel take one sample of each; those that trace
+/// paths from the lights trace as many as the settings say, or one for each
+/// pixel of the film; bidirectional path tracing follows one pair of paths for
+/// each pixel of the film, Metropolis makes one step, beside its pilot.
+pub struct Passes<'a> {
+    reference: &'a Reference<'a>,
+    next: u32,
+    /// What the first photon map keeps, by replicates.
+    maps: [Option<Maps>; REPLICATES as usize],
+    /// What progressive photon mapping keeps, by replicates.
+    runs: [Option<Run>; REPLICATES as usize],
+}
+
+impl Iterator for Passes<'_> {
+    type Item = Vec<PixelSample>;
+
+    fn next(&mut self) -> Option<Vec<PixelSample>> {
+        let reference = self.reference;
+        let (round, replicate) = (self.next / REPLICATES, self.next % REPLICATES);
+        self.next = self.next.checked_add(1)?;
+        let setup = &reference.setup;
+        Some(match reference.method {
+            Method::Path => setup.by_pixel(replicate, round, |film, mut stream| {
+                path::radiance(setup, setup.camera.ray(film), &mut stream)
+            }),
+            Method::Whitted => setup.by_pixel(replicate, round, |film, stream| {
+                whitted::radiance(setup, setup.camera.ray(film), stream)
+            }),
+            Method::Light => reference.by_lights(replicate, round, |paths, stream, found| {
+                light::trace(setup, paths, stream, found);
+            }),
+            Method::LightNaive => reference.by_lights(replicate, round, |paths, stream, found| {
+                naive::trace(setup, &reference.pinhole, paths, stream, found);
+            }),
+            Method::Bdpt => bdpt::pass(setup, replicate, round),
+            Method::Metropolis => metropolis::pass(setup, replicate, round),
+            Method::PhotonMap => {
+                let paths = setup.light_paths() * u64::from(reference.rounds);
+                let maps = self.maps[replicate as usize]
+                    .get_or_insert_with(|| Maps::new(setup, replicate, paths, reference.nearest));
+                setup.by_pixel(replicate, round, |film, mut stream| {
+                    maps.radiance(setup, setup.camera.ray(film), &mut stream)
+                })
+            }
+            Method::Sppm => self.runs[replicate as usize]
+                .get_or_insert_with(|| Run::new(setup))
+                .pass(setup, replicate, round),
+            Method::Radiosity => {
+                let solver = reference.solver.as_ref()?;
+                solver.pass(setup, replicate, round)
+            }
         })
     }
 }
@@ -121,6 +192,8 @@ pub struct Report {
     pub passes: u32,
     /// Longest chain of surface interactions.
     pub max_depth: u32,
+    /// Paths from the lights, of methods for which their number can be chosen.
+    pub light_paths: u64,
     /// Samples refused for not being finite; not zero is a defect.
     pub samples_refused: u64,
     /// Relative standard error of the picture from the spread of the
@@ -139,6 +212,9 @@ impl fmt::Display for Report {
             "{} passes of method {} in {:.1} s",
             self.passes, self.method, self.seconds
         )?;
+        if self.light_paths > 0 {
+            write!(f, ", {} light paths", self.light_paths)?;
+        }
         if let Some(noise) = self.noise {
             write!(f, ", noise {:.2} %", 100.0 * noise)?;
         }
@@ -155,26 +231,30 @@ impl fmt::Display for Report {
 
 /// Renders by a reference method. `on_progress` is called after every pass;
 /// `Break` ends the render with what was reached.
+///
+/// # Errors
+/// As [`check`], before any work.
 pub fn render(
     scene: &Scene,
     job: &Job,
     method: Method,
+    options: Options,
     on_progress: &mut dyn FnMut(&Progress) -> ControlFlow<()>,
-) -> Outcome {
+) -> Result<Outcome, Refused> {
     let start = Instant::now();
     let crop = job.window();
-    let reference = Reference::new(scene, &job.settings, method, job.resolution, crop);
+    let reference = Reference::new(scene, job, method, options)?;
     let mut film = Film::new(crop[2], crop[3], film_quantum(scene));
     let (mut done, mut interrupted) = (0, false);
-    loop {
-        film.add_pass(done, &reference.pass(done));
+    for samples in reference.passes() {
+        film.add_pass(done, &samples);
         done += 1;
         let elapsed = start.elapsed();
         let passes_total = job.passes_wanted(done, elapsed);
         let flow = on_progress(&Progress {
             passes_done: done,
             passes_total,
-            photons_emitted: 0,
+            photons_emitted: reference.light_paths(done),
             elapsed,
         });
         if done >= passes_total {
@@ -192,6 +272,7 @@ pub fn render(
         seed: job.settings.seed,
         passes: done,
         max_depth: job.settings.max_depth,
+        light_paths: reference.light_paths(done),
         samples_refused: film.refused(),
         noise: film
             .noise()
@@ -199,9 +280,9 @@ pub fn render(
         blind_spots: method.blind_spots(scene),
         seconds: start.elapsed().as_secs_f64(),
     };
-    Outcome {
+    Ok(Outcome {
         film,
         report,
         interrupted,
-    }
+    })
 }

@@ -19,6 +19,13 @@ use super::{
     sources::Start,
 };
 
+/// The most diffuse surfaces that a path meets on average, where none reflects
+/// more than `reflectance`: two, and as long as the roulette lets it go on.
+pub(super) fn mean_bounces(reflectance: f64) -> f64 {
+    let q = reflectance.min(MOST_SURVIVING);
+    f64::from(SURE_BOUNCES) + q / (1.0 - q)
+}
+
 /// Diffuse surfaces on a path before the roulette may end it.
 const SURE_BOUNCES: u32 = 2;
 
@@ -52,6 +59,8 @@ pub(super) struct Flight {
     pub(super) ray: Ray,
     /// Factor on what is carried.
     pub(super) throughput: Rgb,
+    /// Length of the way so far, in metres.
+    pub(super) way: f64,
     /// The largest channel of the throughput since the start, without the
     /// index factors: what the roulette goes by.
     strength: f64,
@@ -76,6 +85,7 @@ impl Flight {
             ray,
             media,
             throughput: Rgb::WHITE,
+            way: 0.0,
             strength: 1.0,
             depth: 0,
             bounces: 0,
@@ -100,6 +110,22 @@ impl Flight {
         }
     }
 
+    /// A path that carries `flux` off a surface outside all bodies of clear
+    /// media.
+    pub(super) fn from_surface(ray: Ray, flux: Rgb) -> Self {
+        Self {
+            ray,
+            throughput: flux,
+            way: 0.0,
+            strength: 1.0,
+            depth: 0,
+            bounces: 0,
+            media: Media::NONE,
+            carried: Carried::Flux,
+            layout: Layout::LIGHT,
+        }
+    }
+
     /// What the path carries.
     pub(super) fn carried(&self) -> Carried {
         self.carried
@@ -114,6 +140,7 @@ impl Flight {
                 return Met::Sky;
             };
             self.depth += 1;
+            self.way += met.hit.t;
             random.seek(self.layout.surface(self.depth));
             let (point, from) = (met.point, self.ray.dir);
             let Some(lobes) = lobes(&met.material, &point, from, self.carried) else {

@@ -23,17 +23,26 @@ pub enum Method {
     Bdpt,
     /// Metropolis light transport in primary sample space.
     Metropolis,
+    /// The first photon map.
+    PhotonMap,
+    /// Stochastic progressive photon mapping.
+    Sppm,
+    /// Finite elements.
+    Radiosity,
 }
 
 impl Method {
     /// Every method.
-    pub const ALL: [Self; 6] = [
+    pub const ALL: [Self; 9] = [
         Self::Path,
         Self::Light,
         Self::LightNaive,
         Self::Whitted,
         Self::Bdpt,
         Self::Metropolis,
+        Self::PhotonMap,
+        Self::Sppm,
+        Self::Radiosity,
     ];
 
     /// The name on the command line and in files.
@@ -45,6 +54,9 @@ impl Method {
             Self::Whitted => "whitted",
             Self::Bdpt => "bdpt",
             Self::Metropolis => "metropolis",
+            Self::PhotonMap => "photon-map",
+            Self::Sppm => "sppm",
+            Self::Radiosity => "radiosity",
         }
     }
 
@@ -57,6 +69,20 @@ impl Method {
             Self::Whitted => "recursive ray tracing, hard shadows",
             Self::Bdpt => "bidirectional path tracing with MIS",
             Self::Metropolis => "Metropolis light transport on bdpt's paths",
+            Self::PhotonMap => "the first photon map: nearest photons, one map",
+            Self::Sppm => "stochastic progressive photon mapping",
+            Self::Radiosity => "finite elements, for diffuse surfaces",
+        }
+    }
+
+    /// Whether a pass has a number of paths from the lights that can be
+    /// chosen ([`Settings::photons`](crate::scene::Settings::photons)). The
+    /// other methods start no path at a light, or one for each path from the
+    /// eye.
+    pub const fn has_light_paths(self) -> bool {
+        match self {
+            Self::Light | Self::LightNaive | Self::PhotonMap | Self::Sppm | Self::Radiosity => true,
+            Self::Path | Self::Whitted | Self::Bdpt | Self::Metropolis => false,
         }
     }
 
@@ -80,8 +106,7 @@ impl Method {
                 if facts.shines {
                     note("lights themselves are not seen".to_owned());
                 }
-                let is_sun = |l: &NamedLight| matches!(l.light, Light::Sun(_));
-                if scene.lights.iter().any(is_sun) {
+                if has_sun(scene) {
                     note("the sun lights only what lies in the shadow of the sphere around all bounded objects".to_owned());
                 }
             }
@@ -107,10 +132,34 @@ impl Method {
                     ));
                 }
             }
+            Self::PhotonMap | Self::Sppm => {
+                if has_sun(scene) {
+                    note("what the sun sends by way of other surfaces is missing where its light first meets one beyond the shadow of the sphere around all bounded objects".to_owned());
+                }
+                note(if self == Self::Sppm {
+                    "the picture is blurred by circles that shrink from pass to pass".to_owned()
+                } else {
+                    "the picture is blurred by circles that only more photons make smaller"
+                        .to_owned()
+                });
+            }
+            Self::Radiosity => {
+                if facts.specular {
+                    note("mirrors and glass are black, and the light that comes by way of them is missing".to_owned());
+                }
+                if has_sun(scene) {
+                    note("indirect light of the sun is missing where its light falls beyond the shadow of the sphere around all bounded objects".to_owned());
+                }
+            }
             Self::Path | Self::Bdpt | Self::Metropolis => {}
         }
         notes
     }
+}
+
+fn has_sun(scene: &Scene) -> bool {
+    let is_sun = |l: &NamedLight| matches!(l.light, Light::Sun(_));
+    scene.lights.iter().any(is_sun)
 }
 
 /// What decides on what methods see.

@@ -15,12 +15,12 @@
 use crate::{
     film::PixelSample,
     geometry::Ray,
-    spectrum::Rgb,
-    transport::{Carried, Context, DiffusePoint},
+    transport::{Carried, DiffusePoint},
 };
 
 use super::{
-    flight::{Flight, Met, arriving, density},
+    eye::lit,
+    flight::{Flight, Met, density},
     random::{Layout, Random},
     setup::{Setup, layer_of},
     sources::{Seat, Sources},
@@ -73,7 +73,14 @@ pub(super) fn radiance(setup: &Setup<'_>, ray: Ray, random: &mut impl Random) ->
                     let goes_on = flight.bounce(&ctx, &at, random);
                     random.seek(Layout::light(depth));
                     let layer = layer_of(flight.bounces, false);
-                    sample[layer] += throughput * lit(&ctx, &sources, &at, random);
+                    sample[layer] += throughput
+                        * lit(&ctx, &sources, &at, random, |c, scattered| {
+                            if !sources.light(c.light).has_extent() {
+                                return 1.0;
+                            }
+                            let sampled = sources.direct(c.light, &c.seat, at.point.p);
+                            heuristic(sampled, seen_from(&at, &c.seat, scattered))
+                        });
                     goes_on
                 };
                 if !goes_on {
@@ -83,32 +90,6 @@ pub(super) fn radiance(setup: &Setup<'_>, ray: Ray, random: &mut impl Random) ->
             }
         }
     }
-}
-
-/// Light of a sampled source that a diffuse point reflects.
-fn lit(
-    ctx: &Context<'_>,
-    sources: &Sources<'_>,
-    at: &DiffusePoint,
-    random: &mut impl Random,
-) -> Rgb {
-    let choice = random.next_1d();
-    let Some(c) = sources.connect(at.point.p, choice, random.next_2d()) else {
-        return Rgb::BLACK;
-    };
-    // Reflectance / pi times the cosine.
-    let scattered = density(at, c.wi, Carried::Radiance);
-    if scattered <= 0.0 {
-        return Rgb::BLACK;
-    }
-    let sampled = sources.direct(c.light, &c.seat, at.point.p);
-    let weight = if sources.light(c.light).has_extent() {
-        heuristic(sampled, seen_from(at, &c.seat, scattered))
-    } else {
-        1.0
-    };
-    let arrives = arriving(ctx, at, c.source, c.wi, c.body);
-    at.reflectance * c.weight * (scattered * weight * arrives)
 }
 
 /// Weight of a light that was met in a direction sampled at `last`.

@@ -45,6 +45,17 @@ pub(super) struct Contribution {
     pub(super) value: Rgb,
 }
 
+/// Pixels that a filter reaches beyond its own.
+fn margin(filter: Filter) -> u32 {
+    (filter.radius() - 0.5).ceil() as u32
+}
+
+/// Pixels of the film that the pixels of a window look at.
+pub(super) fn film_pixels(filter: Filter, [_, _, width, height]: [u32; 4]) -> u64 {
+    let along = |pixels: u32| u64::from(pixels) + 2 * u64::from(margin(filter));
+    along(width) * along(height)
+}
+
 /// The layer of a path that meets `diffuse` diffuse surfaces; `bent` tells
 /// whether its light was reflected or refracted before it came to the first.
 pub(super) fn layer_of(diffuse: u32, bent: bool) -> Layer {
@@ -63,6 +74,9 @@ pub(super) struct Setup<'a> {
     picker: LightPicker,
     max_depth: u32,
     seed: u64,
+    /// First radius of a density estimate, in pixel footprints.
+    first_radius: f64,
+    light_paths: u64,
     /// Keeps the random numbers of the methods apart.
     family: u32,
     pub(super) camera: Camera,
@@ -79,6 +93,7 @@ impl<'a> Setup<'a> {
         method: Method,
         resolution: [u32; 2],
         window: [u32; 4],
+        light_paths: u64,
     ) -> Self {
         Self {
             scene,
@@ -86,6 +101,8 @@ impl<'a> Setup<'a> {
             picker: LightPicker::new(scene),
             max_depth: settings.max_depth,
             seed: settings.seed,
+            first_radius: settings.radius,
+            light_paths,
             family: match method {
                 // Both look through the same places of the film.
                 Method::Path | Method::Whitted => 0,
@@ -93,6 +110,9 @@ impl<'a> Setup<'a> {
                 Method::LightNaive => 2,
                 Method::Bdpt => 3,
                 Method::Metropolis => 4,
+                Method::PhotonMap => 5,
+                Method::Sppm => 6,
+                Method::Radiosity => 7,
             },
             camera: scene.camera.with_resolution(resolution),
             filter: scene.filter,
@@ -128,7 +148,7 @@ impl<'a> Setup<'a> {
 
     /// Pixels that the window's filters reach beyond it.
     fn margin(&self) -> u32 {
-        (self.filter.radius() - 0.5).ceil() as u32
+        margin(self.filter)
     }
 
     /// The film that the pixels of the window look at: its top left corner
@@ -142,8 +162,7 @@ impl<'a> Setup<'a> {
 
     /// Pixels of [`film`](Self::film).
     pub(super) fn film_pixels(&self) -> u64 {
-        let [w, h] = self.film().1;
-        u64::from(w) * u64::from(h)
+        film_pixels(self.filter, self.window)
     }
 
     /// A pass in which every pixel is worked on by itself: `look` gets a
@@ -155,19 +174,58 @@ impl<'a> Setup<'a> {
         round: u32,
         look: impl Fn(DVec2, Stream) -> PixelSample + Sync,
     ) -> Vec<PixelSample> {
-        let [x0, y0, width, height] = self.window;
-        let mut pixels = vec![PixelSample::default(); width as usize * height as usize];
-        let rows = pixels.par_chunks_mut(width.max(1) as usize).enumerate();
-        rows.for_each(|(row, pixels)| {
-            for (column, pixel) in pixels.iter_mut().enumerate() {
+        let mut nothing = vec![(); self.window_pixels()];
+        self.by_pixel_with(replicate, round, &mut nothing, |(), film, stream| {
+            look(film, stream)
+        })
+    }
+
+    /// The same where every pixel of the window has something of its own that
+    /// lasts from pass to pass, row by row.
+    pub(super) fn by_pixel_with<T: Send>(
+        &self,
+        replicate: u32,
+        round: u32,
+        own: &mut [T],
+        look: impl Fn(&mut T, DVec2, Stream) -> PixelSample + Sync,
+    ) -> Vec<PixelSample> {
+        let [x0, y0, width, _] = self.window;
+        let mut pixels = vec![PixelSample::default(); self.window_pixels()];
+        let row = width.max(1) as usize;
+        let rows = pixels.par_chunks_mut(row).zip(own.par_chunks_mut(row));
+        rows.enumerate().for_each(|(row, (pixels, own))| {
+            for (column, (pixel, own)) in pixels.iter_mut().zip(own).enumerate() {
                 let (x, y) = (x0 + column as u32, y0 + row as u32);
                 let item = u64::from(y) << 32 | u64::from(x);
                 let mut stream = self.sequence(replicate, item).at(u64::from(round));
                 let [dx, dy] = self.filter.place(stream.next_2d());
-                *pixel = look(DVec2::new(f64::from(x) + dx, f64::from(y) + dy), stream);
+                let film = DVec2::new(f64::from(x) + dx, f64::from(y) + dy);
+                *pixel = look(own, film, stream);
             }
         });
         pixels
+    }
+
+    /// Pixels of the window.
+    pub(super) fn window_pixels(&self) -> usize {
+        let [_, _, width, height] = self.window;
+        width as usize * height as usize
+    }
+
+    /// Kernel radius with which a progressive estimate begins, in pixel
+    /// footprints.
+    pub(super) fn first_radius(&self) -> f64 {
+        self.first_radius
+    }
+
+    /// Light paths of a pass.
+    pub(super) fn light_paths(&self) -> u64 {
+        self.light_paths
+    }
+
+    /// The address of the paths from the lights, apart from all pixels.
+    pub(super) fn light_sequence(&self, replicate: u32) -> Sequence {
+        self.sequence(replicate, u64::MAX)
     }
 
     /// A pass in which samples bring light to any place: `bring` makes the
@@ -179,8 +237,7 @@ impl<'a> Setup<'a> {
         Shares { chunk, batch }: Shares,
         bring: impl Fn(u64, &mut Vec<Contribution>) + Sync,
     ) -> Vec<PixelSample> {
-        let [_, _, width, height] = self.window;
-        let mut pixels = vec![PixelSample::default(); width as usize * height as usize];
+        let mut pixels = vec![PixelSample::default(); self.window_pixels()];
         let chunks = count.div_ceil(chunk);
         for first in (0..chunks).step_by(batch as usize) {
             let found: Vec<Vec<Contribution>> = (first..(first + batch).min(chunks))

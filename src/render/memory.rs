@@ -30,8 +30,15 @@ pub struct TooLarge {
     pub budget: u64,
 }
 
-fn mebibytes(bytes: u64) -> String {
+pub(crate) fn mebibytes(bytes: u64) -> String {
     format!("{} MiB", bytes.div_ceil(1 << 20))
+}
+
+/// Bytes that the film of a window of `size` pixels takes, with the samples of
+/// a pass.
+pub(crate) fn film_bytes(size: [u32; 2]) -> u64 {
+    let pixels = u64::from(size[0]) * u64::from(size[1]);
+    pixels.saturating_mul(BYTES_PER_PIXEL)
 }
 
 /// Bytes that a photon path may come to need.
@@ -42,8 +49,7 @@ const BYTES_PER_PATH: u64 = BYTES_PER_PHOTON * PHOTONS_PER_PATH;
 /// # Errors
 /// If the film alone, with room for a few photons, exceeds the budget.
 pub(super) fn photon_budget(size: [u32; 2], budget: u64) -> Result<u64, TooLarge> {
-    let pixels = u64::from(size[0]) * u64::from(size[1]);
-    let film = pixels.saturating_mul(BYTES_PER_PIXEL);
+    let film = film_bytes(size);
     let needed = film.saturating_add(FEWEST_PHOTONS * BYTES_PER_PATH);
     if needed > budget {
         return Err(TooLarge {

@@ -23,6 +23,7 @@ mod view;
 
 pub use driver::{Job, Outcome, Progress, run};
 pub use memory::TooLarge;
+pub(crate) use memory::{film_bytes, mebibytes};
 pub use pass::{PassOutput, Renderer};
 pub use report::{LightReport, Report};
 pub use schedule::{REPLICATES, Schedule};

@@ -122,6 +122,77 @@ fn a_method_is_chosen_by_its_name() {
     );
 }
 
+/// What was typed for one method is not ignored by another.
+#[test]
+fn what_a_method_has_no_use_for_is_refused() {
+    let directory = workplace();
+    for (arguments, complaint) in [
+        (
+            ["--method", "path"].as_slice(),
+            "--photons is not for --method path",
+        ),
+        (
+            &["--method", "sppm", "--nearest", "9"],
+            "--nearest is not for --method sppm",
+        ),
+        (&["--patches", "9"], "--patches is not for --method photons"),
+        (
+            &["--method", "radiosity"],
+            "cannot divide objects[0] into elements",
+        ),
+    ] {
+        let output = render(directory.path(), arguments);
+        assert_eq!(code(&output), 2, "{arguments:?}");
+        let words = text(&output.stderr);
+        assert!(words.contains(complaint), "{words}");
+    }
+    assert_eq!(names(directory.path()), ["scene.ron"]);
+    let arguments = [
+        "-o",
+        "a.exr",
+        "--passes",
+        "2",
+        "--method",
+        "photon-map",
+        "--nearest",
+        "9",
+        "--json",
+        "-",
+    ];
+    let output = render(directory.path(), &arguments);
+    assert_eq!(code(&output), 0, "{}", text(&output.stderr));
+    let report: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    // Each of two replicates has a map of its own.
+    assert_eq!(report["light_paths"], 2 * 2000);
+}
+
+/// A picture that does not fit is refused by every method.
+#[test]
+fn a_budget_is_kept_by_every_method() {
+    let directory = workplace();
+    let scene = fs::read_to_string(directory.path().join("scene.ron")).unwrap();
+    let scene = scene.trim_end().strip_suffix(')').unwrap();
+    let small = format!("{scene} render: (memory: \"64 MiB\"))");
+    fs::write(directory.path().join("scene.ron"), small).unwrap();
+    for method in ["path", "light", "bdpt", "metropolis", "sppm", "photon-map"] {
+        let arguments = [
+            "render",
+            "scene.ron",
+            "--resolution",
+            "640x480",
+            "--method",
+            method,
+        ];
+        let output = run(directory.path(), &arguments);
+        let words = text(&output.stderr);
+        assert_eq!(code(&output), 2, "{method}: {words}");
+        assert!(
+            words.contains(method) && words.contains("render.memory"),
+            "{words}"
+        );
+    }
+}
+
 #[test]
 fn a_crop_shows_its_part_of_the_picture() {
     let directory = workplace();

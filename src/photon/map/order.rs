@@ -1,17 +1,10 @@
 //! Where a map's photons lie: their middle, and an order in which neighbours
 //! in space are neighbours in memory.
 
-use glam::{DMat3, DVec3, Vec3};
+use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
 use super::Photon;
-
-/// A rotation whose axes are far from each other's and from the coordinate
-/// axes, since every third split of a kd-tree over an axis-aligned floor would
-/// be wasted: the unit quaternion of (1, 2, 3, 5), exact arithmetic only.
-pub(super) fn off_axis() -> DMat3 {
-    DMat3::from_quat(glam::DQuat::from_xyzw(1.0, 2.0, 3.0, 5.0).normalize())
-}
 
 /// The median of the photons' positions along each axis; of a sample where
 /// there are many.

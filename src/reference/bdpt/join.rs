@@ -38,7 +38,8 @@ impl Joined {
 }
 
 /// The contributions of a path from the place `film` and one of `paths` paths
-/// from the lights.
+/// from the lights, added to `found`: one for each layer of what is seen at
+/// `film`, and one for each place of the light's path that the eye sees.
 pub(in super::super) fn sample(
     setup: &Setup<'_>,
     film: DVec2,
@@ -50,13 +51,20 @@ pub(in super::super) fn sample(
     let from_eye = from_camera(setup, film, camera);
     let from_light = from_light(setup, light);
     let join = Join::new(setup, film, paths, &from_eye, &from_light);
+    let own = found.len();
     join.all(camera, &mut |joined| {
         let weight = joined.weight();
         // A density that is not finite belongs to a place at grazing light.
         if weight > 0.0 {
             let mut contribution = joined.contribution;
             contribution.value *= weight;
-            found.push(contribution);
+            let same = |c: &&mut Contribution| {
+                c.film == contribution.film && c.layer == contribution.layer
+            };
+            match found[own..].iter_mut().find(same) {
+                Some(sum) => sum.value += contribution.value,
+                None => found.push(contribution),
+            }
         }
     });
 }

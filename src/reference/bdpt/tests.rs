@@ -42,7 +42,7 @@ fn scene(objects: &str, lights: &str) -> Scene {
 
 fn setup(scene: &Scene) -> Setup<'_> {
     let window = [0, 0, SIZE, SIZE];
-    Setup::new(scene, &scene.settings, Method::Bdpt, [SIZE; 2], window)
+    Setup::new(scene, &scene.settings, Method::Bdpt, [SIZE; 2], window, 1)
 }
 
 /// Numbers of the two ends of sample `i`, independent of all others.

@@ -76,6 +76,18 @@ pub(super) fn pass(setup: &Setup<'_>, replicate: u32, round: u32) -> Vec<PixelSa
     })
 }
 
+/// Chains of a pass over a film of so many pixels.
+fn chains(pixels: u64) -> u64 {
+    let chains = pixels.div_ceil(LONGEST).max(LEAST_CHAINS);
+    chains.next_power_of_two()
+}
+
+/// States whose contributions are kept at once: two for each step of the
+/// chains that are followed together.
+pub(super) fn states(pixels: u64) -> u64 {
+    2 * SHARES.chunk * SHARES.batch * pixels.div_ceil(chains(pixels))
+}
+
 /// The paths of a pass's pilot, and what its chains need.
 struct Pilot<'a> {
     setup: &'a Setup<'a>,
@@ -99,9 +111,7 @@ impl<'a> Pilot<'a> {
             replicate,
             round,
             count,
-            chains: (setup.film_pixels().div_ceil(LONGEST))
-                .max(LEAST_CHAINS)
-                .next_power_of_two(),
+            chains: chains(setup.film_pixels()),
             choice: None,
             mean: 0.0,
         };
