@@ -1,6 +1,6 @@
 //! Passes of a reference method, and the loop over them.
 
-use std::{array::from_fn, fmt, num::NonZero, ops::ControlFlow, time::Instant};
+use std::{fmt, num::NonZero, ops::ControlFlow, time::Instant};
 
 use serde::Serialize;
 
@@ -75,8 +75,48 @@ impl<'a> Reference<'a> {
         Passes {
             reference: self,
             next: 0,
-            maps: from_fn(|_| None),
-            runs: from_fn(|_| None),
+            memory: Memory::default(),
+        }
+    }
+
+    /// Pass `index`: radiance per pixel and layer, row by row. Passes of a
+    /// method that remembers (see [`Method::remembers`]) have to be asked for
+    /// in turn from the first on, with one memory; those of others in any
+    /// order, with any.
+    pub fn pass(&self, index: u32, memory: &mut Memory) -> Vec<PixelSample> {
+        let (round, replicate) = (index / REPLICATES, index % REPLICATES);
+        let setup = &self.setup;
+        match self.method {
+            Method::Path => setup.by_pixel(replicate, round, |film, mut stream| {
+                path::radiance(setup, setup.camera.ray(film), &mut stream)
+            }),
+            Method::Whitted => setup.by_pixel(replicate, round, |film, stream| {
+                whitted::radiance(setup, setup.camera.ray(film), stream)
+            }),
+            Method::Light => self.by_lights(replicate, round, |paths, stream, found| {
+                light::trace(setup, paths, stream, found);
+            }),
+            Method::LightNaive => self.by_lights(replicate, round, |paths, stream, found| {
+                naive::trace(setup, &self.pinhole, paths, stream, found);
+            }),
+            Method::Bdpt => bdpt::pass(setup, replicate, round),
+            Method::Metropolis => metropolis::pass(setup, replicate, round),
+            Method::PhotonMap => {
+                let paths = setup.light_paths() * u64::from(self.rounds);
+                let maps = memory.maps[replicate as usize]
+                    .get_or_insert_with(|| Maps::new(setup, replicate, paths, self.nearest));
+                setup.by_pixel(replicate, round, |film, mut stream| {
+                    maps.radiance(setup, setup.camera.ray(film), &mut stream)
+                })
+            }
+            Method::Sppm => memory.runs[replicate as usize]
+                .get_or_insert_with(|| Run::new(setup))
+                .pass(setup, replicate, round),
+            Method::Radiosity => self
+                .solver
+                .as_ref()
+                .map(|solver| solver.pass(setup, replicate, round))
+                .unwrap_or_default(),
         }
     }
 
@@ -118,9 +158,15 @@ impl<'a> Reference<'a> {
 pub struct Passes<'a> {
     reference: &'a Reference<'a>,
     next: u32,
-    /// What the first photon map keeps, by replicates.
+    memory: Memory,
+}
+
+/// What methods keep from pass to pass, by replicates.
+#[derive(Default)]
+pub struct Memory {
+    /// Of the first photon map.
     maps: [Option<Maps>; REPLICATES as usize],
-    /// What progressive photon mapping keeps, by replicates.
+    /// Of progressive photon mapping.
     runs: [Option<Run>; REPLICATES as usize],
 }
 
@@ -128,41 +174,9 @@ impl Iterator for Passes<'_> {
     type Item = Vec<PixelSample>;
 
     fn next(&mut self) -> Option<Vec<PixelSample>> {
-        let reference = self.reference;
-        let (round, replicate) = (self.next / REPLICATES, self.next % REPLICATES);
-        self.next = self.next.checked_add(1)?;
-        let setup = &reference.setup;
-        Some(match reference.method {
-            Method::Path => setup.by_pixel(replicate, round, |film, mut stream| {
-                path::radiance(setup, setup.camera.ray(film), &mut stream)
-            }),
-            Method::Whitted => setup.by_pixel(replicate, round, |film, stream| {
-                whitted::radiance(setup, setup.camera.ray(film), stream)
-            }),
-            Method::Light => reference.by_lights(replicate, round, |paths, stream, found| {
-                light::trace(setup, paths, stream, found);
-            }),
-            Method::LightNaive => reference.by_lights(replicate, round, |paths, stream, found| {
-                naive::trace(setup, &reference.pinhole, paths, stream, found);
-            }),
-            Method::Bdpt => bdpt::pass(setup, replicate, round),
-            Method::Metropolis => metropolis::pass(setup, replicate, round),
-            Method::PhotonMap => {
-                let paths = setup.light_paths() * u64::from(reference.rounds);
-                let maps = self.maps[replicate as usize]
-                    .get_or_insert_with(|| Maps::new(setup, replicate, paths, reference.nearest));
-                setup.by_pixel(replicate, round, |film, mut stream| {
-                    maps.radiance(setup, setup.camera.ray(film), &mut stream)
-                })
-            }
-            Method::Sppm => self.runs[replicate as usize]
-                .get_or_insert_with(|| Run::new(setup))
-                .pass(setup, replicate, round),
-            Method::Radiosity => {
-                let solver = reference.solver.as_ref()?;
-                solver.pass(setup, replicate, round)
-            }
-        })
+        let index = self.next;
+        self.next = index.checked_add(1)?;
+        Some(self.reference.pass(index, &mut self.memory))
     }
 }
 
