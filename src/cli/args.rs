@@ -4,7 +4,10 @@ use std::{num::NonZero, path::PathBuf, time::Duration};
 
 use clap::{Args, Parser, Subcommand, builder::TypedValueParser as _};
 
-use nephroid::{metrics::Metric, study::Sweep};
+use nephroid::{
+    metrics::Metric,
+    study::{STANDARD_SCENES, Sweep},
+};
 
 use super::study::values::{Percent, percent, sweep};
 use super::values::{
@@ -41,6 +44,8 @@ pub(crate) enum Command {
     Compare(CompareArgs),
     /// Measure what accuracy costs in time, by every method
     Study(StudyArgs),
+    /// Time the renderer to fixed errors on fixed scenes
+    Bench(BenchArgs),
     /// Design a lens whose caustic is a picture
     Lens(LensArgs),
 }
@@ -334,4 +339,57 @@ pub(crate) struct StudyArgs {
     /// Write the study as JSON to standard output, too
     #[arg(long)]
     pub(crate) json: bool,
+}
+
+const AFTER_BENCH: &str = "\
+Renders five scenes with several seeds until the error (root of relMSE without
+the worst 0.1 % of the pixels, against references that come with the scenes)
+is 20, 10 and 5 %, and says how much processor time that took.
+docs/study.md says more.
+
+With --against, every scene is judged beside the earlier benchmark, seed by
+seed: faster or slower only where chance and the machine do not explain it.
+
+Exit codes:
+  0  done; nothing has become slower
+  1  a file could not be written
+  2  bad input: the command line, a scene, a reference or the earlier benchmark
+  3  interrupted; nothing is kept
+  5  a scene has become slower than in the earlier benchmark";
+
+/// What `bench` was told.
+#[derive(Args, Debug)]
+#[command(after_help = AFTER_BENCH)]
+pub(crate) struct BenchArgs {
+    /// Scenes of the benchmark to render [default: all]
+    #[arg(value_name = "NAME", value_parser = clap::builder::PossibleValuesParser::new(STANDARD_SCENES))]
+    pub(crate) names: Vec<String>,
+
+    /// Directory with the scenes, and their references in references/
+    #[arg(long, value_name = "DIR", default_value = "scenes")]
+    pub(crate) scenes: PathBuf,
+
+    /// Seeds of each scene, from 1 on
+    #[arg(long, value_name = "N", default_value_t = 3, value_parser = clap::value_parser!(u32).range(1..=64))]
+    pub(crate) seeds: u32,
+
+    /// Most passes of each render
+    #[arg(long, value_name = "N", default_value_t = 64, value_parser = clap::value_parser!(u32).range(1..=1 << 20))]
+    pub(crate) passes: u32,
+
+    /// Threads to use [default: one per core]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub(crate) threads: Option<u16>,
+
+    /// Write the benchmark as JSON to a file, or to standard output with -
+    #[arg(long, value_name = "FILE")]
+    pub(crate) json: Option<PathBuf>,
+
+    /// Compare with the JSON file of an earlier benchmark
+    #[arg(long, value_name = "FILE")]
+    pub(crate) against: Option<PathBuf>,
+
+    /// Say nothing unless something goes wrong
+    #[arg(short, long)]
+    pub(crate) quiet: bool,
 }

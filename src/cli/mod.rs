@@ -1,13 +1,14 @@
 //! The command line: what was typed, what it means, and the calls it leads to.
 //!
 //! `args` and `values` hold what was typed; `render`, `check`, `compare`,
-//! `study` and `lens` resolve it and call the library. Words for people go to standard
+//! `study`, `bench` and `lens` resolve it and call the library. Words for people go to standard
 //! error, so that standard output carries only data that was asked for
 //! (`--json -`, the verdict of `check`, the table of `compare`, the object of
 //! `lens`). This is the only room that prints; it
 //! never panics because a reader went away.
 
 mod args;
+mod bench;
 mod check;
 mod compare;
 mod interrupt;
@@ -103,6 +104,7 @@ pub(crate) fn main() -> Exit {
         args::Command::Check(typed) => check::run(typed),
         args::Command::Compare(typed) => compare::run(typed),
         args::Command::Lens(typed) => lens::run(typed),
+        args::Command::Bench(typed) => bench::run(typed),
         args::Command::Study(typed) => study::run(typed),
     };
     done.unwrap_or_else(|failure| {

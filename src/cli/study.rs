@@ -17,6 +17,7 @@ use nephroid::{
     study::{self, Fault, Request, Source, Study, Subject, Way},
 };
 
+pub(super) use self::table::digits;
 use self::telling::Telling;
 use super::{
     Exit, Failure, args::StudyArgs, deliver, interrupt::Interrupt, progress, tell, values::Method,

@@ -14,6 +14,7 @@
 //! pictures are judged by, `judge` measures them, `split`, `fit` and `pictures`
 //! make of it what the reader sees.
 
+mod benchmark;
 mod clock;
 mod curves;
 mod effects;
@@ -32,6 +33,10 @@ mod split;
 mod store;
 mod truth;
 
+pub use benchmark::{
+    BENCHMARK, Benchmark, BenchmarkRun, BenchmarkScene, Judgement, STANDARD_SCENES, TARGETS, Task,
+    Verdict, verdicts,
+};
 pub use clock::Stopwatch;
 pub use curves::{Outline, outline};
 pub use engine::study;

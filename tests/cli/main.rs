@@ -1,5 +1,6 @@
 //! The program as a user meets it: what it accepts, what it says, how it ends.
 
+mod bench;
 mod check;
 mod lens;
 mod render;

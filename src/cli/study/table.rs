@@ -89,7 +89,7 @@ fn percent(error: f64) -> String {
 }
 
 /// Three digits, without noughts at the end.
-fn digits(value: f64) -> String {
+pub(in crate::cli) fn digits(value: f64) -> String {
     let places = match value {
         v if v >= 100.0 => 0,
         v if v >= 10.0 => 1,
