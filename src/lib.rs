@@ -18,4 +18,5 @@ pub mod render;
 pub mod sampling;
 pub mod scene;
 pub mod spectrum;
+pub mod study;
 pub mod transport;

@@ -28,13 +28,20 @@ enum Phase {
 
 /// The state shared with the signal handler.
 #[derive(Clone, Debug)]
-pub(crate) struct Interrupt(Arc<Mutex<Phase>>);
+pub(crate) struct Interrupt {
+    phase: Arc<Mutex<Phase>>,
+    /// What the first interrupt brings, in words.
+    promise: &'static str,
+}
 
 impl Interrupt {
-    /// Starts listening. Where no handler can be set, an interrupt ends the
+    /// Starts listening; the first interrupt brings what `promise` says. Where no handler can be set, an interrupt ends the
     /// program as it ends any other.
-    pub(crate) fn listen() -> Self {
-        let this = Self(Arc::new(Mutex::new(Phase::Rendering)));
+    pub(crate) fn listen(promise: &'static str) -> Self {
+        let this = Self {
+            phase: Arc::new(Mutex::new(Phase::Rendering)),
+            promise,
+        };
         let shared = this.clone();
         let _ = ctrlc::set_handler(move || shared.on_signal());
         this
@@ -56,10 +63,10 @@ impl Interrupt {
         match *phase {
             Phase::Rendering => {
                 *phase = Phase::Stopping(Instant::now());
-                super::tell(
-                    "\ninterrupted: the pass under way is finished and saved; \
-                     interrupt again to stop at once",
-                );
+                super::tell(format_args!(
+                    "\ninterrupted: {}; interrupt again to stop at once",
+                    self.promise
+                ));
             }
             Phase::Stopping(since) if since.elapsed() >= ONE_WISH => {
                 std::process::exit(ENDED_AT_ONCE)
@@ -70,6 +77,6 @@ impl Interrupt {
 
     fn phase(&self) -> MutexGuard<'_, Phase> {
         // A phase is valid whatever happened to the thread that wrote it.
-        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+        self.phase.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }

@@ -1,7 +1,7 @@
 //! The command line: what was typed, what it means, and the calls it leads to.
 //!
-//! `args` and `values` hold what was typed; `render`, `check`, `compare` and
-//! `lens` resolve it and call the library. Words for people go to standard
+//! `args` and `values` hold what was typed; `render`, `check`, `compare`,
+//! `study` and `lens` resolve it and call the library. Words for people go to standard
 //! error, so that standard output carries only data that was asked for
 //! (`--json -`, the verdict of `check`, the table of `compare`, the object of
 //! `lens`). This is the only room that prints; it
@@ -15,6 +15,7 @@ mod lens;
 mod media;
 mod progress;
 mod render;
+mod study;
 mod values;
 
 use std::{
@@ -102,6 +103,7 @@ pub(crate) fn main() -> Exit {
         args::Command::Check(typed) => check::run(typed),
         args::Command::Compare(typed) => compare::run(typed),
         args::Command::Lens(typed) => lens::run(typed),
+        args::Command::Study(typed) => study::run(typed),
     };
     done.unwrap_or_else(|failure| {
         tell(failure.message.trim_end());

@@ -182,7 +182,7 @@ fn si(value: f64) -> String {
 }
 
 /// A length of time in its two largest units: `1h 05m`, `3m 20s`, `12s`.
-fn clock(time: Duration) -> String {
+pub(super) fn clock(time: Duration) -> String {
     let seconds = time.as_secs() + u64::from(time.subsec_millis() >= 500);
     match (seconds / 3600, seconds / 60 % 60, seconds % 60) {
         (0, 0, s) => format!("{s}s"),

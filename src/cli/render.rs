@@ -87,7 +87,7 @@ pub(super) fn run(typed: &RenderArgs) -> Result<Exit, Failure> {
             tell(format_args!("note: {blind_spot}"));
         }
     }
-    let interrupt = Interrupt::listen();
+    let interrupt = Interrupt::listen("the pass under way is finished and saved");
     let (outcome, last) = render(typed, &scene, &job, &interrupt)?;
     let was_interrupted = outcome.interrupted && interrupt.is_requested();
     interrupt.start_saving();

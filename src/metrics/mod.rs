@@ -21,6 +21,7 @@ mod opponent;
 mod plane;
 mod slope;
 mod ssim;
+mod student;
 
 pub use chi_square::{ChiSquare, chi_square, sidak};
 pub use colour_map::magma;
@@ -36,3 +37,4 @@ pub use noise::relative_noise;
 pub use plane::{Plane, Region};
 pub use slope::{Slope, fit_slope};
 pub use ssim::Ssim;
+pub use student::student_quantile;

@@ -1,0 +1,227 @@
+//! Which renders a scene's study takes, and who tells the truth about it.
+
+use std::time::Duration;
+
+use crate::{film::Layer, film::read_exr_layers, reference::Method, scene::Settings};
+
+use super::{
+    fault::Fault,
+    record::{Absent, Setting},
+    request::{Request, Source, Subject, Way},
+    sight::{Sight, blind_spots, sight, witnesses},
+};
+
+/// A curve that is to be found.
+#[derive(Clone, Debug)]
+pub(super) struct Curve {
+    /// Name in legends.
+    pub(super) label: String,
+    pub(super) way: Way,
+    pub(super) sweep: Option<Setting>,
+    /// All of a run's settings but passes and seed.
+    pub(super) settings: Settings,
+    pub(super) blind_spots: Vec<String>,
+    /// What is judged.
+    pub(super) sight: Sight,
+}
+
+/// All that a scene's study takes.
+#[derive(Clone, Debug)]
+pub(super) struct Programme {
+    pub(super) curves: Vec<Curve>,
+    pub(super) absent: Vec<Absent>,
+    /// Who makes the reference, if one is to be made.
+    pub(super) witness: Option<(Method, Sight)>,
+}
+
+/// What a study is going to do with a scene.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Outline {
+    /// Name of the scene.
+    pub name: String,
+    /// Names of the curves.
+    pub curves: Vec<String>,
+    /// Name of the method that makes the reference, if one is to be made.
+    pub witness: Option<&'static str>,
+    /// Methods without a curve, and why.
+    pub absent: Vec<Absent>,
+    /// Wall time that it may take at most; `None` where passes decide.
+    pub limit: Option<Duration>,
+}
+
+/// What a study of these scenes is going to do.
+///
+/// # Errors
+/// [`Fault::Invalid`] for what a study refuses.
+pub fn outline(subjects: &[Subject<'_>], request: &Request) -> Result<Vec<Outline>, Fault> {
+    request.check()?;
+    let one = |subject: &Subject<'_>| {
+        let programme = Programme::new(subject, request)?;
+        let rendering = request
+            .time
+            .map(|time| time * programme.curves.len() as u32);
+        let reference = match programme.witness {
+            Some(_) => request.reference_time,
+            None => Duration::ZERO,
+        };
+        Ok(Outline {
+            name: subject.name.clone(),
+            curves: programme.curves.into_iter().map(|c| c.label).collect(),
+            witness: programme.witness.map(|(method, _)| method.name()),
+            absent: programme.absent,
+            limit: rendering.map(|time| time + reference),
+        })
+    };
+    subjects.iter().map(one).collect()
+}
+
+impl Programme {
+    /// # Errors
+    /// [`Fault::Invalid`] if nobody can tell the truth, or the picture that
+    /// should cannot be read.
+    pub(super) fn new(subject: &Subject<'_>, request: &Request) -> Result<Self, Fault> {
+        let scene = subject.scene;
+        let mut programme = Self {
+            curves: Vec::new(),
+            absent: Vec::new(),
+            witness: None,
+        };
+        let (truth, has_layers) = match subject.truth {
+            Source::ClosedForm { .. } => (Sight::whole(), true),
+            Source::Given(path) => {
+                let names = read_exr_layers(path).map_err(|e| Fault::Invalid(e.to_string()))?;
+                let has = |layer: Layer| names.iter().any(|(name, _)| name == layer.name());
+                (Sight::whole(), Layer::ALL.into_iter().all(has))
+            }
+            Source::Make => {
+                let (method, sight) = witness(subject, request)?;
+                programme.witness = Some((method, sight.clone()));
+                (sight, true)
+            }
+        };
+        let mut ways: Vec<Way> = Vec::new();
+        for way in request
+            .methods
+            .clone()
+            .unwrap_or_else(|| Way::all().collect())
+        {
+            if !ways.contains(&way) {
+                ways.push(way);
+            }
+        }
+        if !request.sweeps.is_empty() && !ways.contains(&Way::Photons) {
+            return Err(Fault::Invalid(
+                "sweeps vary the settings of the method photons, which is not among those named"
+                    .to_owned(),
+            ));
+        }
+        for way in ways {
+            let is_witness = |(method, _): &(Method, Sight)| Way::Reference(*method) == way;
+            if programme.witness.as_ref().is_some_and(is_witness) {
+                programme.leave_out(
+                    way,
+                    "it made the reference, which it can't be judged by; \
+                     another reference method can be named"
+                        .to_owned(),
+                );
+                continue;
+            }
+            let seen = sight(way, scene, &scene.settings);
+            let judged = seen.and(&truth);
+            let blind_spots = blind_spots(way, scene);
+            let missing = || blind_spots.join("; ");
+            if !judged.is_worth_judging() {
+                programme.leave_out(way, missing());
+            } else if !judged.is_whole() && !has_layers {
+                let why = "the reference that was given has no layers to judge the rest by";
+                programme.leave_out(way, format!("{}; {why}", missing()));
+            } else if judged != truth && request.methods.is_none() {
+                let layers = judged.names().join(", ");
+                programme.leave_out(
+                    way,
+                    format!(
+                        "{}; if it is named, it is judged by {layers} alone",
+                        missing()
+                    ),
+                );
+            } else {
+                programme.add(subject, request, way, &blind_spots, &judged);
+            }
+        }
+        Ok(programme)
+    }
+
+    fn leave_out(&mut self, way: Way, reason: String) {
+        self.absent.push(Absent {
+            method: way.name().to_owned(),
+            reason,
+        });
+    }
+
+    /// The curve of a way, and those of the settings that are varied.
+    fn add(
+        &mut self,
+        subject: &Subject<'_>,
+        request: &Request,
+        way: Way,
+        blind_spots: &[String],
+        judged: &Sight,
+    ) {
+        let base = &subject.scene.settings;
+        self.curves.push(Curve {
+            label: way.name().to_owned(),
+            way,
+            sweep: None,
+            settings: base.clone(),
+            blind_spots: blind_spots.to_vec(),
+            sight: judged.clone(),
+        });
+        if way != Way::Photons {
+            return;
+        }
+        for (setting, settings) in request.sweeps.iter().flat_map(|s| s.variants(base)) {
+            let label = format!("{}, {} {}", way.name(), setting.name, setting.value);
+            if self.curves.iter().any(|c| c.label == label) {
+                continue;
+            }
+            self.curves.push(Curve {
+                label,
+                way,
+                sweep: Some(setting),
+                settings,
+                blind_spots: blind_spots.to_vec(),
+                sight: judged.clone(),
+            });
+        }
+    }
+}
+
+/// Who makes the reference: the method that was named, or the most suitable
+/// of those that see most; rather one that is not to be judged.
+fn witness(subject: &Subject<'_>, request: &Request) -> Result<(Method, Sight), Fault> {
+    let candidates = witnesses(subject.scene, &subject.scene.settings);
+    if let Some(named) = request.reference_method {
+        let found = candidates.into_iter().find(|(method, _)| *method == named);
+        return found.ok_or_else(|| {
+            Fault::Invalid(format!(
+                "{}: method {} can't make a reference: {}",
+                subject.name,
+                named.name(),
+                blind_spots(Way::Reference(named), subject.scene).join("; ")
+            ))
+        });
+    }
+    let Some((_, best)) = candidates.first() else {
+        return Err(Fault::Invalid(format!(
+            "{}: no reference method sees this scene; give a reference",
+            subject.name
+        )));
+    };
+    let is_judged = |method: Method| {
+        let named = request.methods.as_deref().unwrap_or_default();
+        named.contains(&Way::Reference(method))
+    };
+    let mut equals = candidates.iter().filter(|(_, sight)| sight == best);
+    let free = equals.find(|(method, _)| !is_judged(*method));
+    Ok(free.unwrap_or(&candidates[0]).clone())
+}
