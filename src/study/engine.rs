@@ -287,6 +287,6 @@ fn judges_all(known: &Known, rendered: &[(Curve, Vec<Finished>)]) -> bool {
         let errors = runs
             .iter()
             .filter_map(|r| relmse(&r.last, &yardstick.picture).ok());
-        yardstick.can_judge(errors.sum::<f64>() / runs.len() as f64)
+        yardstick.is_settled() && yardstick.can_judge(errors.sum::<f64>() / runs.len() as f64)
     })
 }

@@ -18,7 +18,7 @@ use super::{
     request::{Event, Request, Source, Subject, Watch, Way},
     run::{Passes, in_single, question, sum},
     sight::Sight,
-    split::{mean, variance},
+    split::{lone_share, mean, variance},
     store::{Store, record_name},
 };
 
@@ -27,6 +27,14 @@ const SEEDS: u32 = 8;
 
 /// Passes of the first stage of a reference, for each seed.
 const FIRST_STAGE: u32 = 8;
+
+/// Fewest passes of each seed with which a reference may be good enough: with
+/// fewer, what is rare may not have been met at all.
+const FEWEST: u32 = 64;
+
+/// The most that single runs may contribute to the variance of a reference
+/// whose spread can be believed; half-way from normal noise to rare paths.
+const MOST_ALONE: f64 = 0.65;
 
 /// How many times smaller than what it judges the error of a reference has to
 /// be. Its share in what is measured is then at most a ninth in the square,
@@ -60,6 +68,8 @@ pub(super) struct Yardstick {
     pub(super) picture: Image,
     /// Its own relative variance; 0 where none is known.
     pub(super) variance: f64,
+    /// The part of it that comes from single runs; see [`lone_share`].
+    lone: f64,
 }
 
 impl Yardstick {
@@ -67,6 +77,12 @@ impl Yardstick {
     /// own share is at least three times its own.
     pub(super) fn can_judge(&self, relmse: f64) -> bool {
         relmse - self.variance >= MARGIN * MARGIN * self.variance
+    }
+
+    /// Whether its variance can be believed: it is not made by rare paths, of
+    /// which there may be more that nobody has found.
+    pub(super) fn is_settled(&self) -> bool {
+        self.lone <= MOST_ALONE
     }
 }
 
@@ -76,6 +92,7 @@ impl Known {
         let exact = |picture| Yardstick {
             picture,
             variance: 0.0,
+            lone: 0.0,
         };
         match &self.knowledge {
             Knowledge::Picture(picture) => exact(picture.clone()),
@@ -86,6 +103,7 @@ impl Known {
                 let single = variance(&seeds, &picture).unwrap_or(0.0);
                 Yardstick {
                     variance: single / seeds.len() as f64,
+                    lone: lone_share(&seeds, &picture).unwrap_or(0.0),
                     picture,
                 }
             }
@@ -276,7 +294,7 @@ pub(super) fn make(
                 method.name(),
                 100.0 * error
             )));
-            if is_enough(&known) {
+            if least >= FEWEST && is_enough(&known) {
                 return Ok(known);
             }
             // Another stage of as many passes, or of as many as time allows;
@@ -389,7 +407,8 @@ fn known(method: Method, sight: &Sight, seeds: &[Seed<'_>]) -> Known {
         },
         knowledge,
     };
-    let error = known.yardstick(sight).variance.sqrt();
+    let yardstick = known.yardstick(sight);
+    let error = yardstick.variance.sqrt();
     known.record.error = Some(error);
     known.record.words = format!(
         "The mean of {SEEDS} independent runs of method {} with {passes} passes each; \
@@ -397,6 +416,12 @@ fn known(method: Method, sight: &Sight, seeds: &[Seed<'_>]) -> Known {
         method.name(),
         100.0 * error
     );
+    if !yardstick.is_settled() {
+        known.record.words.push_str(
+            " Most of that is due to single bright paths, which are too rare for a sure statement: \
+             it may be worse, and what differs from it need not be an error.",
+        );
+    }
     if !sight.is_whole() {
         known.record.words.push_str(&format!(
             " No method sees all light of this scene: only the layers {} are judged.",

@@ -11,15 +11,15 @@ use nephroid::study::Event;
 
 use crate::cli::{progress::clock, tell};
 
-/// Least time between two plain lines about one task.
+/// Least time between two plain lines.
 const LINE_EVERY: Duration = Duration::from_secs(5);
 
 /// Tells of the events of a study.
 pub(super) enum Telling {
     /// A line on a terminal.
     Bar(ProgressBar),
-    /// Plain lines; when the last one was, and about which task.
-    Lines(Option<(Instant, String)>),
+    /// Plain lines; when the last one was.
+    Lines(Option<Instant>),
     /// Nothing.
     Quiet,
 }
