@@ -35,8 +35,8 @@ pub(crate) struct Interrupt {
 }
 
 impl Interrupt {
-    /// Starts listening; the first interrupt brings what `promise` says. Where no handler can be set, an interrupt ends the
-    /// program as it ends any other.
+    /// Starts listening; the first interrupt brings what `promise` says. Where
+    /// no handler can be set, an interrupt ends the program as it ends any other.
     pub(crate) fn listen(promise: &'static str) -> Self {
         let this = Self {
             phase: Arc::new(Mutex::new(Phase::Rendering)),

@@ -1,11 +1,11 @@
 //! What is asked of a study.
 
-use std::{ops::ControlFlow, path::PathBuf, time::Duration};
+use std::{fmt::Debug, ops::ControlFlow, path::PathBuf, time::Duration};
 
 use crate::{
     film::PixelSample,
     reference::Method,
-    scene::{Scene, Settings},
+    scene::{Kernel, Sampler, Scene, Settings},
 };
 
 use super::{fault::Fault, record::Setting};
@@ -50,6 +50,10 @@ pub enum Sweep {
     Photons(Vec<u64>),
     /// Kernel radius of the first round.
     Radius(Vec<f64>),
+    /// The points at which it looks.
+    Sampler(Vec<Sampler>),
+    /// The area over which a photon's light is spread.
+    Kernel(Vec<Kernel>),
     /// Longest chain of surface interactions.
     MaxDepth(Vec<u32>),
     /// Light between diffuse surfaces.
@@ -59,7 +63,8 @@ pub enum Sweep {
 impl Sweep {
     /// Each value as it is written, and `settings` with it.
     pub(super) fn variants(&self, settings: &Settings) -> Vec<(Setting, Settings)> {
-        fn each<T: Copy + ToString>(
+        // As the scene language writes them, which is as Rust does.
+        fn each<T: Copy + Debug>(
             name: &str,
             values: &[T],
             settings: &Settings,
@@ -68,9 +73,10 @@ impl Sweep {
             let variant = |&value: &T| {
                 let mut settings = settings.clone();
                 set(&mut settings, value);
+                let text = format!("{value:?}");
                 let setting = Setting {
                     name: name.to_owned(),
-                    value: value.to_string(),
+                    value: text.strip_suffix(".0").unwrap_or(&text).to_owned(),
                 };
                 (setting, settings)
             };
@@ -79,6 +85,8 @@ impl Sweep {
         match self {
             Self::Photons(values) => each("photons", values, settings, |s, v| s.photons = Some(v)),
             Self::Radius(values) => each("radius", values, settings, |s, v| s.radius = v),
+            Self::Sampler(values) => each("sampler", values, settings, |s, v| s.sampler = v),
+            Self::Kernel(values) => each("kernel", values, settings, |s, v| s.kernel = v),
             Self::MaxDepth(values) => each("max_depth", values, settings, |s, v| s.max_depth = v),
             Self::Indirect(values) => each("indirect", values, settings, |s, v| s.indirect = v),
         }
@@ -92,6 +100,8 @@ impl Sweep {
                 ("radius", values.len(), values.iter().all(above))
             }
             Self::MaxDepth(values) => ("max_depth", values.len(), values.iter().all(|&v| v > 0)),
+            Self::Sampler(values) => ("sampler", values.len(), true),
+            Self::Kernel(values) => ("kernel", values.len(), true),
             Self::Indirect(values) => ("indirect", values.len(), true),
         };
         if count == 0 {
@@ -280,8 +290,14 @@ mod tests {
         assert_eq!(names, ["0.5", "4"]);
         let expected = Settings {
             radius: 4.0,
-            ..settings
+            ..settings.clone()
         };
         assert_eq!(variants[1].1, expected);
+        let variants = Sweep::Kernel(vec![Kernel::Circle]).variants(&settings);
+        assert_eq!(
+            (&*variants[0].0.name, &*variants[0].0.value),
+            ("kernel", "Circle")
+        );
+        assert_eq!(variants[0].1.kernel, Kernel::Circle);
     }
 }

@@ -155,7 +155,12 @@ pub(super) fn runs(
         };
         let question = question(subject, curve.way, &settings, resolution);
         let key = format!("{question}; layers {:?}; {until:?}", curve.sight.layers());
-        let words = format!("{} {} seed {}", subject.name, curve.label, settings.seed);
+        let words = format!(
+            "{} {} seed {}",
+            subject.name,
+            curve.way.name(),
+            settings.seed
+        );
         let name = record_name(&words, &key);
         let kept = store.read::<Vec<Snapshot>>(&name, &key);
         let kept = kept.and_then(|(snapshots, pictures)| {
@@ -189,7 +194,9 @@ pub(super) fn runs(
                     names.iter().map(String::as_str).zip(&pictures).collect();
                 store.write(&name, &key, &snapshots, &named)?;
                 // As it is read again: in single precision.
-                let last = pictures.last().map(in_single).ok_or(Fault::Interrupted)?;
+                let last = pictures.last().map(in_single).ok_or_else(|| {
+                    Fault::Invalid(format!("{}: a run without passes", subject.name))
+                })?;
                 (snapshots, last)
             }
         };

@@ -3,6 +3,7 @@
 mod check;
 mod lens;
 mod render;
+mod study;
 
 use std::{
     fs,
@@ -79,6 +80,7 @@ fn help_and_version() {
         &["render", "--help"],
         &["check", "--help"],
         &["compare", "--help"],
+        &["study", "--help"],
     ] {
         let output = run(directory.path(), arguments);
         assert_eq!(code(&output), 0);

@@ -50,14 +50,8 @@ impl Telling {
             }
             Self::Lines(_) if is_lasting => tell(line(event)),
             Self::Lines(last) => {
-                let Event::Working { task, .. } = event else {
-                    return;
-                };
-                let is_due = last
-                    .as_ref()
-                    .is_none_or(|(when, told)| told != task || when.elapsed() >= LINE_EVERY);
-                if is_due {
-                    *last = Some((Instant::now(), task.clone()));
+                if last.is_none_or(|last| last.elapsed() >= LINE_EVERY) {
+                    *last = Some(Instant::now());
                     tell(line(event));
                 }
             }
