@@ -15,12 +15,8 @@ impl Stopwatch {
     pub fn time<T>(&mut self, work: impl FnOnce() -> T) -> T {
         let (wall, cpu) = (Instant::now(), processor_seconds());
         let done = work();
-        let wall = wall.elapsed();
-        self.wall += wall;
-        self.cpu += match (cpu, processor_seconds()) {
-            (Some(before), Some(after)) => after - before,
-            _ => wall.as_secs_f64() * rayon::current_num_threads() as f64,
-        };
+        self.wall += wall.elapsed();
+        self.cpu += processor_seconds() - cpu;
         done
     }
 
@@ -36,17 +32,21 @@ impl Stopwatch {
     }
 }
 
-/// Seconds that the threads of this program have run since it began.
+/// Seconds that the threads of this program have run, from some time on.
 #[cfg(unix)]
-fn processor_seconds() -> Option<f64> {
+fn processor_seconds() -> f64 {
     use rustix::time::{ClockId, clock_gettime};
     let time = clock_gettime(ClockId::ProcessCPUTime);
-    Some(time.tv_sec as f64 + 1e-9 * time.tv_nsec as f64)
+    time.tv_sec as f64 + 1e-9 * time.tv_nsec as f64
 }
 
+/// The same as if all threads were always at work.
 #[cfg(not(unix))]
-fn processor_seconds() -> Option<f64> {
-    None
+fn processor_seconds() -> f64 {
+    use std::sync::OnceLock;
+    static START: OnceLock<Instant> = OnceLock::new();
+    let wall = START.get_or_init(Instant::now).elapsed();
+    wall.as_secs_f64() * rayon::current_num_threads() as f64
 }
 
 #[cfg(test)]

@@ -61,7 +61,8 @@ pub fn time_to(curve: &[(f64, f64)], fit: Option<Fit>, target: f64) -> TimeTo {
         extrapolated,
     };
     let Some(at) = curve.iter().position(|&(_, error)| error <= target) else {
-        return found(beyond(curve, fit, target), true);
+        let seconds = beyond(curve, fit, target);
+        return found(seconds, seconds.is_some());
     };
     let (t1, e1) = curve[at];
     if at == 0 {
@@ -169,7 +170,12 @@ mod tests {
         // On from (9, 0.05) like 1 / t.
         let found = seconds(0.025);
         assert!((found.cpu_seconds.unwrap() - 18.0).abs() < 1e-12 && found.extrapolated);
-        assert_eq!(seconds(0.05 / 4.1).cpu_seconds, None, "too far");
+        let found = seconds(0.05 / 4.1);
+        assert_eq!(
+            (found.cpu_seconds, found.extrapolated),
+            (None, false),
+            "too far"
+        );
         assert_eq!(time_to(&curve, None, 0.025).cpu_seconds, None, "no fit");
         let flat = Fit {
             slope_interval: [-2.1, 0.1],

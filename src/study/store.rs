@@ -90,16 +90,12 @@ impl Store {
             })?;
         }
         let lock = File::open(&mark).map_err(failed("opening its mark"))?;
-        match lock.try_lock() {
-            Ok(()) => {}
-            Err(TryLockError::WouldBlock) => {
-                return Err(Fault::Invalid(format!(
-                    "another study is at work in {}; wait for it or name another directory",
-                    directory.display()
-                )));
-            }
-            // Not every file system has locks; the files are whole without.
-            Err(TryLockError::Error(_)) => {}
+        // Not every file system has locks; the files are whole without.
+        if let Err(TryLockError::WouldBlock) = lock.try_lock() {
+            return Err(Fault::Invalid(format!(
+                "another study is at work in {}; wait for it or name another directory",
+                directory.display()
+            )));
         }
         Ok(Self { runs, _lock: lock })
     }
