@@ -9,8 +9,8 @@ use crate::{
     film::{Film, Image, PixelSample},
     metrics::relative_noise,
     plan::film_quantum,
-    reference::Reference,
-    render::Renderer,
+    reference::{Method, Options, Reference},
+    render::{Job, Renderer},
     scene::{Scene, Settings},
 };
 
@@ -24,37 +24,58 @@ use super::{
     store::{Pictures, Store, record_name},
 };
 
-/// The passes of a way.
-pub(super) enum Passes<'a> {
+/// A way to a picture, ready for passes.
+pub(super) enum Prepared<'a> {
     Photons(Box<Renderer<'a>>),
     Reference(Box<Reference<'a>>),
 }
 
-impl<'a> Passes<'a> {
+impl<'a> Prepared<'a> {
+    /// # Errors
+    /// [`Fault::Invalid`] if the method refuses the scene.
     pub(super) fn new(
         way: Way,
         scene: &'a Scene,
         settings: &Settings,
         resolution: [u32; 2],
-    ) -> Self {
-        let [width, height] = resolution;
-        let whole = [0, 0, width, height];
-        match way {
+    ) -> Result<Self, Fault> {
+        let job = job(settings, resolution);
+        Ok(match way {
             Way::Photons => {
-                Self::Photons(Box::new(Renderer::new(scene, settings, resolution, whole)))
+                let renderer = Renderer::new(scene, settings, resolution, job.window());
+                Self::Photons(Box::new(renderer))
             }
-            Way::Reference(method) => Self::Reference(Box::new(Reference::new(
-                scene, settings, method, resolution, whole,
-            ))),
-        }
+            Way::Reference(method) => {
+                let reference = Reference::new(scene, &job, method, Options::default());
+                let reference = reference.map_err(|e| Fault::Invalid(e.to_string()))?;
+                Self::Reference(Box::new(reference))
+            }
+        })
     }
 
-    pub(super) fn pass(&self, index: u32) -> Vec<PixelSample> {
+    /// The passes from pass `first` on, without end.
+    pub(super) fn passes(&self, first: u32) -> Box<dyn Iterator<Item = Vec<PixelSample>> + '_> {
         match self {
-            Self::Photons(renderer) => renderer.pass(index).samples,
-            Self::Reference(reference) => reference.pass(index),
+            Self::Photons(renderer) => Box::new((first..).map(|i| renderer.pass(i).samples)),
+            Self::Reference(reference) => Box::new(reference.passes_from(first)),
         }
     }
+}
+
+/// The render of a whole picture.
+pub(super) fn job(settings: &Settings, resolution: [u32; 2]) -> Job {
+    Job {
+        settings: settings.clone(),
+        resolution,
+        crop: None,
+        time: None,
+    }
+}
+
+/// Whether a render gets better from pass to pass. The first photon map does
+/// not: it is built for a number of passes.
+pub(super) fn is_progressive(way: Way) -> bool {
+    way != Way::Reference(Method::PhotonMap)
 }
 
 /// A look at a run.
@@ -112,6 +133,19 @@ pub(super) enum Until {
     Passes(u32),
 }
 
+impl Until {
+    /// Whether it is enough after `done` passes in the time `spent`, where as
+    /// many again would take the time `next`.
+    fn is_enough(self, done: u32, spent: Duration, next: Duration) -> bool {
+        match self {
+            Self::Passes(n) => done >= n,
+            Self::Time(time, most) => {
+                done > most / 2 || time.is_some_and(|time| spent + next > time)
+            }
+        }
+    }
+}
+
 /// What every question about a render names.
 pub(super) fn question(
     subject: &Subject<'_>,
@@ -149,11 +183,11 @@ pub(super) fn runs(
     let mut until = Until::Time(share, request.passes.unwrap_or(u32::MAX));
     let mut runs: Vec<Finished> = Vec::new();
     for i in 0..request.seeds {
-        let settings = Settings {
+        let settings = &Settings {
             seed: curve.settings.seed.wrapping_add(i.into()),
             ..curve.settings.clone()
         };
-        let question = question(subject, curve.way, &settings, resolution);
+        let question = question(subject, curve.way, settings, resolution);
         let key = format!("{question}; layers {:?}; {until:?}", curve.sight.layers());
         let words = format!(
             "{} {} seed {}",
@@ -180,15 +214,14 @@ pub(super) fn runs(
                         limit: share,
                     })
                 };
-                let passes = || Passes::new(curve.way, subject.scene, &settings, resolution);
-                let (snapshots, pictures) = render(
-                    subject.scene,
+                let task = Task {
+                    way: curve.way,
+                    scene: subject.scene,
+                    settings,
                     resolution,
-                    passes,
-                    &curve.sight,
-                    until,
-                    &mut told,
-                )?;
+                    sight: &curve.sight,
+                };
+                let (snapshots, pictures) = task.render(until, &mut told)?;
                 let names: Vec<String> = snapshots.iter().map(|s| s.picture()).collect();
                 let named: Vec<(&str, &Image)> =
                     names.iter().map(String::as_str).zip(&pictures).collect();
@@ -214,47 +247,124 @@ pub(super) fn runs(
     Ok(runs)
 }
 
-/// Renders until it is enough; what each look cost, and the pictures.
-fn render<'a>(
-    scene: &Scene,
-    [width, height]: [u32; 2],
-    passes: impl FnOnce() -> Passes<'a>,
-    sight: &Sight,
-    until: Until,
-    told: &mut dyn FnMut(u32, Duration) -> ControlFlow<()>,
-) -> Result<(Vec<Snapshot>, Vec<Image>), Fault> {
-    let mut clock = Stopwatch::default();
-    let passes = clock.time(passes);
-    let mut film = Film::new(width, height, film_quantum(scene));
-    let (mut snapshots, mut pictures) = (Vec::new(), Vec::new());
-    for done in 1u32.. {
-        clock.time(|| film.add_pass(done - 1, &passes.pass(done - 1)));
-        let is_last = matches!(until, Until::Passes(n) if done >= n);
-        if done.is_power_of_two() || is_last {
-            let picture = judged(&film, sight);
-            let noise = film.noise().filter(|_| sight.is_whole());
-            snapshots.push(Snapshot {
-                passes: done,
-                wall_seconds: clock.wall().as_secs_f64(),
-                cpu_seconds: clock.cpu_seconds(),
-                stated: noise.map(|noise| relative_noise(&picture, &noise)),
-            });
-            pictures.push(picture);
-            let is_enough = match until {
-                Until::Passes(_) => is_last,
-                Until::Time(time, most) => {
-                    done > most / 2 || time.is_some_and(|time| 2 * clock.wall() > time)
-                }
-            };
-            if is_enough {
-                break;
-            }
-        }
-        if told(done, clock.wall()).is_break() {
-            return Err(Fault::Interrupted);
+/// What a run renders.
+struct Task<'a> {
+    way: Way,
+    scene: &'a Scene,
+    settings: &'a Settings,
+    resolution: [u32; 2],
+    sight: &'a Sight,
+}
+
+/// Is told how many passes are done and for how long; may break.
+type Told<'a> = dyn FnMut(u32, Duration) -> ControlFlow<()> + 'a;
+
+impl Task<'_> {
+    /// Renders until it is enough; what each look cost, and the pictures.
+    fn render(
+        &self,
+        until: Until,
+        told: &mut Told<'_>,
+    ) -> Result<(Vec<Snapshot>, Vec<Image>), Fault> {
+        if is_progressive(self.way) {
+            self.growing(until, told)
+        } else {
+            self.one_by_one(until, told)
         }
     }
-    Ok((snapshots, pictures))
+
+    /// One render that is looked at on its way.
+    fn growing(
+        &self,
+        until: Until,
+        told: &mut Told<'_>,
+    ) -> Result<(Vec<Snapshot>, Vec<Image>), Fault> {
+        let mut clock = Stopwatch::default();
+        let prepared = clock.time(|| self.prepare(self.settings))?;
+        let mut passes = clock.time(|| prepared.passes(0));
+        let mut film = self.film();
+        let (mut snapshots, mut pictures) = (Vec::new(), Vec::new());
+        for done in 1u32.. {
+            clock.time(|| {
+                if let Some(samples) = passes.next() {
+                    film.add_pass(done - 1, &samples);
+                }
+            });
+            let is_last = matches!(until, Until::Passes(n) if done >= n);
+            if done.is_power_of_two() || is_last {
+                let (snapshot, picture) = self.look(&film, done, &clock);
+                snapshots.push(snapshot);
+                pictures.push(picture);
+                if until.is_enough(done, clock.wall(), clock.wall()) {
+                    break;
+                }
+            }
+            if told(done, clock.wall()).is_break() {
+                return Err(Fault::Interrupted);
+            }
+        }
+        Ok((snapshots, pictures))
+    }
+
+    /// A render for each number of passes.
+    fn one_by_one(
+        &self,
+        until: Until,
+        told: &mut Told<'_>,
+    ) -> Result<(Vec<Snapshot>, Vec<Image>), Fault> {
+        let (mut snapshots, mut pictures) = (Vec::new(), Vec::new());
+        let mut before = Duration::ZERO;
+        let mut wanted = 1u32;
+        loop {
+            let settings = Settings {
+                passes: wanted,
+                ..self.settings.clone()
+            };
+            let mut clock = Stopwatch::default();
+            let prepared = clock.time(|| self.prepare(&settings))?;
+            let mut passes = prepared.passes(0);
+            let mut film = self.film();
+            for pass in 0..wanted {
+                clock.time(|| {
+                    if let Some(samples) = passes.next() {
+                        film.add_pass(pass, &samples);
+                    }
+                });
+                if told(pass + 1, before + clock.wall()).is_break() {
+                    return Err(Fault::Interrupted);
+                }
+            }
+            let (snapshot, picture) = self.look(&film, wanted, &clock);
+            snapshots.push(snapshot);
+            pictures.push(picture);
+            before += clock.wall();
+            if until.is_enough(wanted, before, clock.wall() * 2) {
+                return Ok((snapshots, pictures));
+            }
+            wanted *= 2;
+        }
+    }
+
+    fn prepare(&self, settings: &Settings) -> Result<Prepared<'_>, Fault> {
+        Prepared::new(self.way, self.scene, settings, self.resolution)
+    }
+
+    fn film(&self) -> Film {
+        let [width, height] = self.resolution;
+        Film::new(width, height, film_quantum(self.scene))
+    }
+
+    fn look(&self, film: &Film, passes: u32, clock: &Stopwatch) -> (Snapshot, Image) {
+        let picture = judged(film, self.sight);
+        let noise = film.noise().filter(|_| self.sight.is_whole());
+        let snapshot = Snapshot {
+            passes,
+            wall_seconds: clock.wall().as_secs_f64(),
+            cpu_seconds: clock.cpu_seconds(),
+            stated: noise.map(|noise| relative_noise(&picture, &noise)),
+        };
+        (snapshot, picture)
+    }
 }
 
 /// What is judged of a film.
