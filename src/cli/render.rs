@@ -86,9 +86,6 @@ pub(super) fn run(typed: &RenderArgs) -> Result<Exit, Failure> {
         for blind_spot in method.blind_spots(&scene) {
             tell(format_args!("note: {blind_spot}"));
         }
-        if let Some(bias) = method.bias() {
-            tell(format_args!("note: method {}: {bias}", method.name()));
-        }
     }
     let interrupt = Interrupt::listen("the pass under way is finished and saved");
     let (outcome, last) = render(typed, &scene, &job, &interrupt)?;

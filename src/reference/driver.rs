@@ -120,6 +120,19 @@ impl<'a> Reference<'a> {
         }
     }
 
+    /// The passes from pass `index` on. Those of a method that builds on what
+    /// came before take the time of all passes before them.
+    pub fn passes_from(&self, index: u32) -> Passes<'_> {
+        let mut passes = self.passes();
+        if self.method == Method::Sppm {
+            for _ in 0..index {
+                passes.next();
+            }
+        }
+        passes.next = index;
+        passes
+    }
+
     /// Light paths that start in all passes before pass `index`; 0 of methods
     /// for which their number cannot be chosen.
     pub fn light_paths(&self, index: u32) -> u64 {

@@ -86,33 +86,9 @@ impl Method {
         }
     }
 
-    /// What keeps its picture from the truth in all that it sees, however many
-    /// passes it has or as long as it has few; `None` of a method whose only
-    /// error is noise.
-    pub const fn bias(self) -> Option<&'static str> {
-        match self {
-            Self::PhotonMap => {
-                Some("the picture is blurred by circles that only more photons make smaller")
-            }
-            Self::Sppm => Some("the picture is blurred by circles that shrink from pass to pass"),
-            Self::Radiosity => Some("light between surfaces is blurred by the elements' size"),
-            Self::Path
-            | Self::Light
-            | Self::LightNaive
-            | Self::Whitted
-            | Self::Bdpt
-            | Self::Metropolis => None,
-        }
-    }
-
     /// Whether a pass depends on those before it.
     pub const fn remembers(self) -> bool {
         matches!(self, Self::PhotonMap | Self::Sppm)
-    }
-
-    /// Whether what it prepares depends on how many passes will follow.
-    pub const fn is_planned(self) -> bool {
-        matches!(self, Self::PhotonMap)
     }
 
     /// What of this scene the method cannot see, one sentence each.
@@ -165,6 +141,12 @@ impl Method {
                 if has_sun(scene) {
                     note("what the sun sends by way of other surfaces is missing where its light first meets one beyond the shadow of the sphere around all bounded objects".to_owned());
                 }
+                note(if self == Self::Sppm {
+                    "the picture is blurred by circles that shrink from pass to pass".to_owned()
+                } else {
+                    "the picture is blurred by circles that only more photons make smaller"
+                        .to_owned()
+                });
             }
             Self::Radiosity => {
                 if facts.specular {

@@ -3,9 +3,9 @@
 use std::time::Duration;
 
 use crate::{
-    film::{Layer, read_exr_layers},
-    reference::{Method, Options, check},
-    render::Job,
+    film::Layer,
+    film::read_exr_layers,
+    reference::{self, Method, Options},
     scene::Settings,
 };
 
@@ -13,6 +13,7 @@ use super::{
     fault::Fault,
     record::{Absent, Setting},
     request::{Request, Source, Subject, Way},
+    run::{is_progressive, job},
     sight::{Sight, blind_spots, sight, witnesses},
 };
 
@@ -120,10 +121,6 @@ impl Programme {
                     .to_owned(),
             ));
         }
-        let job = Job {
-            resolution: request.resolution.unwrap_or(scene.resolution),
-            ..Job::of(scene)
-        };
         for way in ways {
             let is_witness = |(method, _): &(Method, Sight)| Way::Reference(*method) == way;
             if programme.witness.as_ref().is_some_and(is_witness) {
@@ -135,10 +132,8 @@ impl Programme {
                 );
                 continue;
             }
-            if let Way::Reference(method) = way
-                && let Err(refused) = check(scene, &job, method, Options::default())
-            {
-                programme.leave_out(way, refused.to_string());
+            if let Err(reason) = can_render(way, subject, request) {
+                programme.leave_out(way, reason);
                 continue;
             }
             let seen = sight(way, scene, &scene.settings);
@@ -211,20 +206,33 @@ impl Programme {
     }
 }
 
+/// Whether the way renders the scene at all.
+fn can_render(way: Way, subject: &Subject<'_>, request: &Request) -> Result<(), String> {
+    let scene = subject.scene;
+    let size = request.resolution.unwrap_or(scene.resolution);
+    let job = job(&scene.settings, size);
+    match way {
+        Way::Photons => job.check().map_err(|e| e.to_string()),
+        Way::Reference(method) => {
+            reference::check(scene, &job, method, Options::default()).map_err(|e| e.to_string())
+        }
+    }
+}
+
 /// Who makes the reference: the method that was named, or the most suitable
 /// of those that see most; rather one that is not to be judged.
 fn witness(subject: &Subject<'_>, request: &Request) -> Result<(Method, Sight), Fault> {
     let candidates = witnesses(subject.scene, &subject.scene.settings);
     if let Some(named) = request.reference_method {
-        let found = candidates.into_iter().find(|(method, _)| *method == named);
-        return found.ok_or_else(|| {
-            let mut reasons = blind_spots(Way::Reference(named), subject.scene);
-            reasons.extend(named.bias().map(str::to_owned));
+        let way = Way::Reference(named);
+        let sight = sight(way, subject.scene, &subject.scene.settings);
+        let can = is_progressive(way) && sight.is_worth_judging();
+        return can.then_some((named, sight)).ok_or_else(|| {
             Fault::Invalid(format!(
                 "{}: method {} can't make a reference: {}",
                 subject.name,
                 named.name(),
-                reasons.join("; ")
+                blind_spots(way, subject.scene).join("; ")
             ))
         });
     }

@@ -11,7 +11,7 @@ use super::{
     fault::Fault,
     record::Effect,
     request::{Event, Subject, Watch, Way},
-    run::{Passes, question},
+    run::{Prepared, question},
     store::{Store, record_name},
 };
 
@@ -68,10 +68,15 @@ fn price(
     watch: &mut Watch<'_>,
 ) -> Result<(f64, Film), Fault> {
     let mut clock = Stopwatch::default();
-    let mut passes = clock.time(|| Passes::new(Way::Photons, subject.scene, settings, size))?;
+    let prepared = clock.time(|| Prepared::new(Way::Photons, subject.scene, settings, size))?;
+    let mut passes = prepared.passes(0);
     let mut film = Film::new(size[0], size[1], film_quantum(subject.scene));
     for pass in 0..PASSES {
-        clock.time(|| film.add_pass(pass, &passes.pass(pass)));
+        clock.time(|| {
+            if let Some(samples) = passes.next() {
+                film.add_pass(pass, &samples);
+            }
+        });
         let flow = watch(&Event::Working {
             scene: subject.name.clone(),
             task: format!(

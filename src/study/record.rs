@@ -105,8 +105,7 @@ pub struct Series {
     pub method: String,
     /// The setting that was varied, and its value; `None` for the defaults.
     pub sweep: Option<Setting>,
-    /// What of the scene the method cannot see, one sentence each. Not empty:
-    /// only the `layers` were judged.
+    /// What of the scene the method cannot see, or blurs, one sentence each.
     pub blind_spots: Vec<String>,
     /// The layers of the picture that were judged; all if empty.
     pub layers: Vec<String>,

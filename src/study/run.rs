@@ -9,7 +9,7 @@ use crate::{
     film::{Film, Image, PixelSample},
     metrics::relative_noise,
     plan::film_quantum,
-    reference::{Memory, Options, Reference},
+    reference::{Method, Options, Reference},
     render::{Job, Renderer},
     scene::{Scene, Settings},
 };
@@ -24,49 +24,58 @@ use super::{
     store::{Pictures, Store, record_name},
 };
 
-/// The passes of a way.
-pub(super) enum Passes<'a> {
+/// A way to a picture, ready for passes.
+pub(super) enum Prepared<'a> {
     Photons(Box<Renderer<'a>>),
-    Reference(Box<(Reference<'a>, Memory)>),
+    Reference(Box<Reference<'a>>),
 }
 
-impl<'a> Passes<'a> {
+impl<'a> Prepared<'a> {
+    /// # Errors
+    /// [`Fault::Invalid`] if the method refuses the scene.
     pub(super) fn new(
         way: Way,
         scene: &'a Scene,
         settings: &Settings,
         resolution: [u32; 2],
     ) -> Result<Self, Fault> {
-        let job = Job {
-            settings: settings.clone(),
-            resolution,
-            ..Job::of(scene)
-        };
+        let job = job(settings, resolution);
         Ok(match way {
-            Way::Photons => Self::Photons(Box::new(Renderer::new(
-                scene,
-                settings,
-                resolution,
-                job.window(),
-            ))),
+            Way::Photons => {
+                let renderer = Renderer::new(scene, settings, resolution, job.window());
+                Self::Photons(Box::new(renderer))
+            }
             Way::Reference(method) => {
-                let reference = Reference::new(scene, &job, method, Options::default())
-                    .map_err(|e| Fault::Invalid(e.to_string()))?;
-                Self::Reference(Box::new((reference, Memory::default())))
+                let reference = Reference::new(scene, &job, method, Options::default());
+                let reference = reference.map_err(|e| Fault::Invalid(e.to_string()))?;
+                Self::Reference(Box::new(reference))
             }
         })
     }
 
-    /// Pass `index`; those of methods that remember in turn.
-    pub(super) fn pass(&mut self, index: u32) -> Vec<PixelSample> {
+    /// The passes from pass `first` on, without end.
+    pub(super) fn passes(&self, first: u32) -> Box<dyn Iterator<Item = Vec<PixelSample>> + '_> {
         match self {
-            Self::Photons(renderer) => renderer.pass(index).samples,
-            Self::Reference(both) => {
-                let (reference, memory) = both.as_mut();
-                reference.pass(index, memory)
-            }
+            Self::Photons(renderer) => Box::new((first..).map(|i| renderer.pass(i).samples)),
+            Self::Reference(reference) => Box::new(reference.passes_from(first)),
         }
     }
+}
+
+/// The render of a whole picture.
+pub(super) fn job(settings: &Settings, resolution: [u32; 2]) -> Job {
+    Job {
+        settings: settings.clone(),
+        resolution,
+        crop: None,
+        time: None,
+    }
+}
+
+/// Whether a render gets better from pass to pass. The first photon map does
+/// not: it is built for a number of passes.
+pub(super) fn is_progressive(way: Way) -> bool {
+    way != Way::Reference(Method::PhotonMap)
 }
 
 /// A look at a run.
@@ -125,11 +134,14 @@ pub(super) enum Until {
 }
 
 impl Until {
-    /// Whether a run ends after so many passes and so much wall time.
-    fn is_enough(self, done: u32, wall: Duration) -> bool {
+    /// Whether it is enough after `done` passes in the time `spent`, where as
+    /// many again would take the time `next`.
+    fn is_enough(self, done: u32, spent: Duration, next: Duration) -> bool {
         match self {
             Self::Passes(n) => done >= n,
-            Self::Time(time, most) => done > most / 2 || time.is_some_and(|time| 2 * wall > time),
+            Self::Time(time, most) => {
+                done > most / 2 || time.is_some_and(|time| spent + next > time)
+            }
         }
     }
 }
@@ -171,11 +183,11 @@ pub(super) fn runs(
     let mut until = Until::Time(share, request.passes.unwrap_or(u32::MAX));
     let mut runs: Vec<Finished> = Vec::new();
     for i in 0..request.seeds {
-        let settings = Settings {
+        let settings = &Settings {
             seed: curve.settings.seed.wrapping_add(i.into()),
             ..curve.settings.clone()
         };
-        let question = question(subject, curve.way, &settings, resolution);
+        let question = question(subject, curve.way, settings, resolution);
         let key = format!("{question}; layers {:?}; {until:?}", curve.sight.layers());
         let words = format!(
             "{} {} seed {}",
@@ -202,14 +214,14 @@ pub(super) fn runs(
                         limit: share,
                     })
                 };
-                let work = Work {
-                    scene: subject.scene,
+                let task = Task {
                     way: curve.way,
-                    settings: &settings,
+                    scene: subject.scene,
+                    settings,
                     resolution,
                     sight: &curve.sight,
                 };
-                let (snapshots, pictures) = work.render(until, &mut told)?;
+                let (snapshots, pictures) = task.render(until, &mut told)?;
                 let names: Vec<String> = snapshots.iter().map(|s| s.picture()).collect();
                 let named: Vec<(&str, &Image)> =
                     names.iter().map(String::as_str).zip(&pictures).collect();
@@ -235,90 +247,55 @@ pub(super) fn runs(
     Ok(runs)
 }
 
-/// What is rendered, and what of it is looked at.
-struct Work<'a> {
-    scene: &'a Scene,
+/// What a run renders.
+struct Task<'a> {
     way: Way,
+    scene: &'a Scene,
     settings: &'a Settings,
     resolution: [u32; 2],
     sight: &'a Sight,
 }
 
-/// Is told of every pass and the wall time so far.
+/// Is told how many passes are done and for how long; may break.
 type Told<'a> = dyn FnMut(u32, Duration) -> ControlFlow<()> + 'a;
 
-impl Work<'_> {
-    /// Renders until it is enough; what each look cost, and the pictures. A
-    /// picture goes on from the one before, but for a method whose preparations
-    /// depend on how many passes will follow.
+impl Task<'_> {
+    /// Renders until it is enough; what each look cost, and the pictures.
     fn render(
         &self,
         until: Until,
         told: &mut Told<'_>,
     ) -> Result<(Vec<Snapshot>, Vec<Image>), Fault> {
-        let (mut snapshots, mut pictures) = (Vec::new(), Vec::new());
-        let mut keep = |snapshot, picture| {
-            snapshots.push(snapshot);
-            pictures.push(picture);
-        };
-        if !matches!(self.way, Way::Reference(method) if method.is_planned()) {
-            self.go_on(self.settings.passes, until, &mut keep, told)?;
-            return Ok((snapshots, pictures));
+        if is_progressive(self.way) {
+            self.growing(until, told)
+        } else {
+            self.one_by_one(until, told)
         }
-        for k in 0.. {
-            let passes = match until {
-                Until::Passes(n) => n.min(1 << k),
-                Until::Time(..) => 1 << k,
-            };
-            let mut last = None;
-            self.go_on(
-                passes,
-                Until::Passes(passes),
-                &mut |a, b| last = Some((a, b)),
-                told,
-            )?;
-            let (snapshot, picture) = last.ok_or(Fault::Interrupted)?;
-            keep(snapshot, picture);
-            if until.is_enough(passes, Duration::from_secs_f64(snapshot.wall_seconds)) {
-                break;
-            }
-        }
-        Ok((snapshots, pictures))
     }
 
-    /// A single render that is prepared for so many passes; `keep` is given
-    /// what is there at every look.
-    fn go_on(
+    /// One render that is looked at on its way.
+    fn growing(
         &self,
-        prepared: u32,
         until: Until,
-        keep: &mut dyn FnMut(Snapshot, Image),
         told: &mut Told<'_>,
-    ) -> Result<(), Fault> {
-        let settings = Settings {
-            passes: prepared,
-            ..self.settings.clone()
-        };
+    ) -> Result<(Vec<Snapshot>, Vec<Image>), Fault> {
         let mut clock = Stopwatch::default();
-        let mut passes =
-            clock.time(|| Passes::new(self.way, self.scene, &settings, self.resolution))?;
-        let [width, height] = self.resolution;
-        let mut film = Film::new(width, height, film_quantum(self.scene));
+        let prepared = clock.time(|| self.prepare(self.settings))?;
+        let mut passes = clock.time(|| prepared.passes(0));
+        let mut film = self.film();
+        let (mut snapshots, mut pictures) = (Vec::new(), Vec::new());
         for done in 1u32.. {
-            clock.time(|| film.add_pass(done - 1, &passes.pass(done - 1)));
+            clock.time(|| {
+                if let Some(samples) = passes.next() {
+                    film.add_pass(done - 1, &samples);
+                }
+            });
             let is_last = matches!(until, Until::Passes(n) if done >= n);
             if done.is_power_of_two() || is_last {
-                let picture = judged(&film, self.sight);
-                let noise = film.noise().filter(|_| self.sight.is_whole());
-                let stated = noise.map(|noise| relative_noise(&picture, &noise));
-                let snapshot = Snapshot {
-                    passes: done,
-                    wall_seconds: clock.wall().as_secs_f64(),
-                    cpu_seconds: clock.cpu_seconds(),
-                    stated,
-                };
-                keep(snapshot, picture);
-                if until.is_enough(done, clock.wall()) {
+                let (snapshot, picture) = self.look(&film, done, &clock);
+                snapshots.push(snapshot);
+                pictures.push(picture);
+                if until.is_enough(done, clock.wall(), clock.wall()) {
                     break;
                 }
             }
@@ -326,7 +303,67 @@ impl Work<'_> {
                 return Err(Fault::Interrupted);
             }
         }
-        Ok(())
+        Ok((snapshots, pictures))
+    }
+
+    /// A render for each number of passes.
+    fn one_by_one(
+        &self,
+        until: Until,
+        told: &mut Told<'_>,
+    ) -> Result<(Vec<Snapshot>, Vec<Image>), Fault> {
+        let (mut snapshots, mut pictures) = (Vec::new(), Vec::new());
+        let mut before = Duration::ZERO;
+        let mut wanted = 1u32;
+        loop {
+            let settings = Settings {
+                passes: wanted,
+                ..self.settings.clone()
+            };
+            let mut clock = Stopwatch::default();
+            let prepared = clock.time(|| self.prepare(&settings))?;
+            let mut passes = prepared.passes(0);
+            let mut film = self.film();
+            for pass in 0..wanted {
+                clock.time(|| {
+                    if let Some(samples) = passes.next() {
+                        film.add_pass(pass, &samples);
+                    }
+                });
+                if told(pass + 1, before + clock.wall()).is_break() {
+                    return Err(Fault::Interrupted);
+                }
+            }
+            let (snapshot, picture) = self.look(&film, wanted, &clock);
+            snapshots.push(snapshot);
+            pictures.push(picture);
+            before += clock.wall();
+            if until.is_enough(wanted, before, clock.wall() * 2) {
+                return Ok((snapshots, pictures));
+            }
+            wanted *= 2;
+        }
+    }
+
+    fn prepare(&self, settings: &Settings) -> Result<Prepared<'_>, Fault> {
+        Prepared::new(self.way, self.scene, settings, self.resolution)
+    }
+
+    fn film(&self) -> Film {
+        let [width, height] = self.resolution;
+        Film::new(width, height, film_quantum(self.scene))
+    }
+
+    fn look(&self, film: &Film, passes: u32, clock: &Stopwatch) -> (Snapshot, Image) {
+        let picture = judged(film, self.sight);
+        let noise = film.noise().filter(|_| self.sight.is_whole());
+        let snapshot = Snapshot {
+            passes,
+            wall_seconds: clock.wall().as_secs_f64(),
+            cpu_seconds: clock.cpu_seconds(),
+            stated: noise.map(|noise| relative_noise(&picture, &noise)),
+        };
+        (snapshot, picture)
     }
 }
 

@@ -85,6 +85,10 @@ pub(super) fn sight(way: Way, scene: &Scene, settings: &Settings) -> Sight {
     let has_extent = scene.lights.iter().any(|l| l.light.has_extent());
     let bends = |o: &crate::scene::Object| o.material.is_specular() && !o.material.is_straight();
     let is_any = |methods: &[Method]| methods.contains(&method);
+    if is_any(&[Method::PhotonMap, Method::Sppm]) && !has_sun {
+        // They blur what they see, which is an error to be measured.
+        return Sight::whole();
+    }
     let mut seen = Vec::new();
     if is_any(&[Method::Path]) || (is_any(&[Method::Whitted]) && !has_extent) {
         // Light that fell on a diffuse surface in a caustic is missing from
@@ -114,17 +118,18 @@ pub(super) fn sight(way: Way, scene: &Scene, settings: &Settings) -> Sight {
 
 /// The reference methods that may tell the truth about a scene, the most
 /// suitable first, with the layers that they see: first those that see
-/// everything. Caustics are found faster by paths from both ends, other light
-/// by paths from the eye alone.
+/// everything. Only methods without bias are among them, since no spread shows
+/// a bias. Caustics are found faster by paths from both ends, other light by
+/// paths from the eye alone.
 pub(super) fn witnesses(scene: &Scene, settings: &Settings) -> Vec<(Method, Sight)> {
-    let first = if Plan::new(scene, settings).caustics {
-        [Method::Bdpt, Method::Path, Method::Light]
+    let [first, second] = if Plan::new(scene, settings).caustics {
+        [Method::Bdpt, Method::Path]
     } else {
-        [Method::Path, Method::Bdpt, Method::Light]
+        [Method::Path, Method::Bdpt]
     };
-    let rest = Method::ALL.into_iter().filter(|m| !first.contains(m));
-    let all = first.into_iter().chain(rest).filter(|m| m.bias().is_none());
-    let mut witnesses: Vec<(Method, Sight)> = all
+    let unbiased = [first, second, Method::Light, Method::Metropolis];
+    let mut witnesses: Vec<(Method, Sight)> = unbiased
+        .into_iter()
         .map(|method| (method, sight(Way::Reference(method), scene, settings)))
         .filter(|(_, sight)| sight.is_worth_judging())
         .collect();
@@ -168,6 +173,8 @@ mod tests {
         assert_eq!(layers(Method::Bdpt, &lamp), all);
         assert_eq!(layers(Method::Light, &lamp), [], "glass looks black");
         assert_eq!(layers(Method::LightNaive, &lamp), [], "blurred");
+        assert_eq!(layers(Method::Sppm, &lamp), all, "its blur is its error");
+        assert_eq!(layers(Method::Radiosity, &lamp), [], "no glass");
         assert_eq!(layers(Method::Whitted, &lamp), [], "hard shadows");
         let point = scene(POINT, BALL);
         assert_eq!(layers(Method::Path, &point), [Direct, Emission]);

@@ -97,7 +97,22 @@ impl Store {
                 directory.display()
             )));
         }
-        Ok(Self { runs, _lock: lock })
+        let store = Self { runs, _lock: lock };
+        store.sweep();
+        Ok(store)
+    }
+
+    /// Removes what a crash left of files that were being written.
+    fn sweep(&self) {
+        let entries = fs::read_dir(&self.runs).into_iter().flatten().flatten();
+        for entry in entries {
+            let name = entry.file_name();
+            let name = name.as_encoded_bytes();
+            if name.starts_with(b".") && name.ends_with(b".part") {
+                // One that stays does no harm.
+                let _ = fs::remove_file(entry.path());
+            }
+        }
     }
 
     /// The answer to the question `key` that was kept under `name`; `None` if
@@ -289,7 +304,10 @@ mod tests {
         assert!(refused.contains("another study"), "{refused}");
         drop(first);
         fs::write(own.join("notes.txt"), "kept").unwrap();
+        let torn = own.join("runs/.one.json123.part");
+        fs::write(&torn, "hal").unwrap();
         assert!(Store::open(&own).is_ok(), "a study, whatever else is there");
+        assert!(!torn.exists() && own.join("notes.txt").exists());
     }
 
     #[test]

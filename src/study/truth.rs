@@ -16,8 +16,8 @@ use super::{
     fault::Fault,
     record::{Truth, TruthKind},
     request::{Event, Request, Source, Subject, Watch, Way},
-    run::{Passes, in_single, question, sum},
-    sight::Sight,
+    run::{Prepared, in_single, question, sum},
+    sight::{Sight, blind_spots},
     split::{lone_share, mean, variance},
     store::{Store, record_name},
 };
@@ -210,7 +210,7 @@ struct Effort {
 
 /// One seed of a reference.
 struct Seed<'a> {
-    passes: Passes<'a>,
+    prepared: Prepared<'a>,
     effort: Effort,
     /// Means over the passes, in single precision as they are kept.
     layers: Layers,
@@ -235,9 +235,10 @@ impl Seed<'_> {
             let pixels = image.pixels().iter().map(|&p| p * f64::from(done));
             pixels.collect::<Vec<Rgb>>()
         });
+        let mut passes = clock.time(|| self.prepared.passes(done));
         for pass in done..target {
             clock.time(|| {
-                let samples = self.passes.pass(pass);
+                let samples = passes.next().unwrap_or_default();
                 for (i, sample) in samples.iter().enumerate() {
                     // One that is not finite counts as black, as on a film.
                     if sample.total().is_finite() {
@@ -251,6 +252,7 @@ impl Seed<'_> {
                 return Err(Fault::Interrupted);
             }
         }
+        drop(passes);
         let [width, height] = [self.layers[0].width(), self.layers[0].height()];
         self.layers = sums.map(|sum| {
             let pixels = sum.into_iter().map(|s| s / f64::from(target));
@@ -278,15 +280,16 @@ pub(super) fn make(
     is_enough: &dyn Fn(&Known) -> bool,
     watch: &mut Watch<'_>,
 ) -> Result<Known, Fault> {
-    let mut seeds = (0..SEEDS)
+    let seeds: Result<Vec<Seed<'_>>, Fault> = (0..SEEDS)
         .map(|i| seed(subject, method, i, size, store))
-        .collect::<Result<Vec<Seed<'_>>, Fault>>()?;
+        .collect();
+    let mut seeds = seeds?;
     let limit = request.reference_time.as_secs_f64();
     loop {
         let least = seeds.iter().map(|s| s.effort.passes).min().unwrap_or(0);
         let spent: f64 = seeds.iter().map(|s| s.effort.wall_seconds).sum();
         if least > 0 {
-            let known = known(method, sight, &seeds);
+            let known = known(subject, method, sight, &seeds);
             let error = known.record.error.unwrap_or(0.0);
             let _ = watch(&Event::Note(format!(
                 "{}: reference by {}: error {:.2} % after {least} passes of {SEEDS} seeds",
@@ -383,7 +386,7 @@ fn seed<'a>(
         (Effort::default(), std::array::from_fn(|_| black.clone()))
     });
     Ok(Seed {
-        passes: Passes::new(way, subject.scene, &settings, size)?,
+        prepared: Prepared::new(way, subject.scene, &settings, size)?,
         effort,
         layers,
         name,
@@ -391,7 +394,7 @@ fn seed<'a>(
     })
 }
 
-fn known(method: Method, sight: &Sight, seeds: &[Seed<'_>]) -> Known {
+fn known(subject: &Subject<'_>, method: Method, sight: &Sight, seeds: &[Seed<'_>]) -> Known {
     let passes = seeds.iter().map(|s| s.effort.passes).min().unwrap_or(0);
     let knowledge = Knowledge::Seeds(seeds.iter().map(|s| s.layers.clone()).collect());
     let mut known = Known {
@@ -416,6 +419,13 @@ fn known(method: Method, sight: &Sight, seeds: &[Seed<'_>]) -> Known {
         method.name(),
         100.0 * error
     );
+    if sight.is_whole() {
+        // Of what it does see.
+        for flaw in blind_spots(Way::Reference(method), subject.scene) {
+            let more = format!(" The spread does not show this: {flaw}.");
+            known.record.words.push_str(&more);
+        }
+    }
     if !yardstick.is_settled() {
         known.record.words.push_str(
             " Most of that is due to single bright paths, which are too rare for a sure statement: \

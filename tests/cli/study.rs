@@ -119,10 +119,8 @@ fn a_given_picture_is_the_truth() {
         &size,
     ];
     assert_eq!(code(&run(here, &render.concat())), 0);
-    let output = study(
-        here,
-        &[&TINY[..], &["--reference", ".", "--quiet"]].concat(),
-    );
+    let given = [&TINY[..6], &["--reference", ".", "--quiet"]].concat();
+    let output = study(here, &given);
     assert_eq!(code(&output), 0, "{}", text(&output.stderr));
     let scene = read(here).scenes.remove(0);
     assert_eq!(scene.truth.kind, TruthKind::Given);

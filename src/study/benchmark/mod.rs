@@ -13,10 +13,11 @@ use crate::{
     film::{Film, Image},
     metrics::relmse_trimmed,
     plan::film_quantum,
+    render::Renderer,
     scene::{Scene, Settings},
 };
 
-use super::{clock::Stopwatch, fault::Fault, fit::time_to, request::Way, run::Passes};
+use super::{clock::Stopwatch, fault::Fault, fit::time_to};
 
 /// Part of the pixels that is left out: a single bright one would rule.
 const WORST: f64 = 0.001;
@@ -56,13 +57,14 @@ impl Task<'_> {
             ..self.scene.settings.clone()
         };
         let mut clock = Stopwatch::default();
-        let mut passes =
-            clock.time(|| Passes::new(Way::Photons, self.scene, &settings, self.scene.resolution))?;
+        let size = self.scene.resolution;
+        let renderer =
+            clock.time(|| Renderer::new(self.scene, &settings, size, [0, 0, width, height]));
         let mut film = Film::new(width, height, film_quantum(self.scene));
         let least = self.targets.iter().copied().fold(f64::INFINITY, f64::min);
         let mut curve: Vec<(f64, f64)> = Vec::new();
         for done in 1..=self.passes {
-            clock.time(|| film.add_pass(done - 1, &passes.pass(done - 1)));
+            clock.time(|| film.add_pass(done - 1, &renderer.pass(done - 1).samples));
             if is_look(done) || done == self.passes {
                 let error = relmse_trimmed(&film.image(), self.reference, WORST)
                     .map_err(|e| Fault::Invalid(format!("the reference does not fit: {e}")))?
