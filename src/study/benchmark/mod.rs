@@ -56,8 +56,8 @@ impl Task<'_> {
             ..self.scene.settings.clone()
         };
         let mut clock = Stopwatch::default();
-        let mut passes =
-            clock.time(|| Passes::new(Way::Photons, self.scene, &settings, self.scene.resolution))?;
+        let mut passes = clock
+            .time(|| Passes::new(Way::Photons, self.scene, &settings, self.scene.resolution))?;
         let mut film = Film::new(width, height, film_quantum(self.scene));
         let least = self.targets.iter().copied().fold(f64::INFINITY, f64::min);
         let mut curve: Vec<(f64, f64)> = Vec::new();
