@@ -60,6 +60,26 @@ fn add_pass_inexact(bencher: Bencher) {
     });
 }
 
+/// The film as bytes, as a checkpoint holds it, and back.
+#[divan::bench]
+fn write_state(bencher: Bencher) {
+    let film = film();
+    bencher
+        .counter(ItemsCount::new(PIXELS))
+        .bench_local(|| divan::black_box(&film).write_state(&mut std::io::sink()));
+}
+
+#[divan::bench]
+fn read_state(bencher: Bencher) {
+    let mut bytes = Vec::new();
+    let written = film().write_state(&mut bytes);
+    written.expect("memory takes all");
+    let length = bytes.len() as u64;
+    bencher
+        .counter(ItemsCount::new(PIXELS))
+        .bench_local(|| Film::read_state(&mut divan::black_box(&bytes[..]), length));
+}
+
 #[divan::bench]
 fn merge(bencher: Bencher) {
     let other = film();

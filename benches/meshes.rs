@@ -15,7 +15,10 @@ use std::{
     time::Instant,
 };
 
-use nephroid::{geometry::TriangleMesh, scene::mesh_file};
+use nephroid::{
+    geometry::TriangleMesh,
+    scene::{Inputs, mesh_file},
+};
 use peak::peak_mebibytes;
 
 const FORMATS: [&str; 5] = [
@@ -63,7 +66,8 @@ fn main() {
 fn one(path: &Path) {
     let size = fs::metadata(path).map_or(0, |m| m.len()) as f64 / f64::from(1 << 20);
     let start = Instant::now();
-    let mesh = mesh_file::read(path, &|_| {}).unwrap_or_else(|e| panic!("{}", e.render(false)));
+    let mesh = mesh_file::read(path, &|_| {}, &Inputs::default())
+        .unwrap_or_else(|e| panic!("{}", e.render(false)));
     let read = start.elapsed().as_secs_f64();
     let count = mesh.triangles.len() as f64;
     let after_reading = peak_mebibytes();

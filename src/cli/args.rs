@@ -9,6 +9,7 @@ use nephroid::{
     study::{STANDARD_SCENES, Sweep},
 };
 
+use super::parts::{Merged, Passes, merged, passes};
 use super::study::values::{Percent, percent, sweep};
 use super::values::{
     Bound, Crop, MapKind, Method, Output, bound, crop, darkest, duration, finite, index, length,
@@ -18,13 +19,14 @@ use super::values::{
 const AFTER_HELP: &str = "\
 Exit codes:
   0  done
-  1  the render or the writing of a file failed
-  2  bad input: the command line, the scene or a picture
+  1  the render or the writing of a file failed; a checkpoint counts
+     if the last attempt to write it failed
+  2  bad input: the command line, the scene, a picture or a checkpoint
   3  interrupted; what was reached is saved
   5  pictures compared, but a bound does not hold
 
-Ctrl-C finishes the pass under way and saves; a second one stops at once and
-saves nothing.";
+Ctrl-C (and SIGTERM, SIGHUP) finishes the pass under way and saves pictures and
+checkpoint; a second one stops at once and saves nothing.";
 
 /// Renders caustics: light that glass, water and mirrors throw onto things.
 #[derive(Debug, Parser)]
@@ -38,6 +40,8 @@ pub(crate) struct Typed {
 pub(crate) enum Command {
     /// Render a scene to EXR and PNG files
     Render(RenderArgs),
+    /// Put parts of a picture together that were rendered apart
+    Merge(MergeArgs),
     /// Check a scene file without rendering it
     Check(CheckArgs),
     /// Measure how far pictures are from each other or from a reference
@@ -63,9 +67,10 @@ pub(crate) struct RenderArgs {
     #[arg(short, long = "output", value_name = "FILE", value_parser = output, verbatim_doc_comment)]
     pub(crate) output: Vec<Output>,
 
-    /// Number of passes [default: the scene's]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
-    pub(crate) passes: Option<u32>,
+    /// Number of passes, or a range such as 64..128 (without 128):
+    /// a part, to be merged with others [default: the scene's]
+    #[arg(long, value_name = "N", value_parser = passes, verbatim_doc_comment)]
+    pub(crate) passes: Option<Passes>,
 
     /// Render for a time such as 30s, 2m, 1h30m or 500ms instead of
     /// the scene's number of passes; the pass under way is finished.
@@ -106,6 +111,48 @@ pub(crate) struct RenderArgs {
     /// Elements along the scene, of method radiosity [default: 32]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=4096))]
     pub(crate) patches: Option<u32>,
+
+    /// Keep the passes in this file, now and then and at the end. If it is
+    /// there and of this render, go on from it: the same command finishes
+    /// what was killed. The file of another render is left alone
+    #[arg(long, value_name = "FILE", verbatim_doc_comment)]
+    pub(crate) checkpoint: Option<PathBuf>,
+
+    /// Time between checkpoints [default: 60s]
+    #[arg(long, value_name = "TIME", value_parser = duration)]
+    pub(crate) checkpoint_every: Option<Duration>,
+
+    /// Go on from this checkpoint, also towards more passes than it was
+    /// made for; keeps it up to date unless --checkpoint names another
+    #[arg(long, value_name = "FILE", verbatim_doc_comment)]
+    pub(crate) resume: Option<PathBuf>,
+
+    /// Say nothing unless something goes wrong
+    #[arg(short, long)]
+    pub(crate) quiet: bool,
+
+    /// Write the report as JSON to a file, or to standard output with -
+    #[arg(long, value_name = "FILE")]
+    pub(crate) json: Option<PathBuf>,
+}
+
+/// What `merge` was told.
+#[derive(Args, Debug)]
+#[command(after_help = "\
+Exit codes:
+  0  merged
+  1  the writing of a file failed
+  2  bad input: the command line, or parts that do not go together")]
+pub(crate) struct MergeArgs {
+    /// Checkpoints of parts of one picture (render --passes A..B --checkpoint),
+    /// in any order; together they must have no gap
+    #[arg(required = true, value_name = "PART", verbatim_doc_comment)]
+    pub(crate) parts: Vec<PathBuf>,
+
+    /// File to write: .exr, .png, or .ckpt (a part to merge or to go on
+    /// from). May be given several times
+    #[arg(short, long = "output", value_name = "FILE", required = true, value_parser = merged, verbatim_doc_comment)]
+    pub(crate) output: Vec<Merged>,
 
     /// Say nothing unless something goes wrong
     #[arg(short, long)]

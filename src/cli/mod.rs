@@ -1,7 +1,7 @@
 //! The command line: what was typed, what it means, and the calls it leads to.
 //!
-//! `args` and `values` hold what was typed; `render`, `check`, `compare`,
-//! `study`, `bench` and `lens` resolve it and call the library. Words for people go to standard
+//! `args` and `values` hold what was typed; `render`, `merge`, `check`,
+//! `compare`, `study`, `bench` and `lens` resolve it and call the library. Words for people go to standard
 //! error, so that standard output carries only data that was asked for
 //! (`--json -`, the verdict of `check`, the table of `compare`, the object of
 //! `lens`). This is the only room that prints; it
@@ -10,10 +10,14 @@
 mod args;
 mod bench;
 mod check;
+mod checkpoint;
 mod compare;
 mod interrupt;
 mod lens;
 mod media;
+mod merge;
+mod outputs;
+mod parts;
 mod progress;
 mod render;
 mod study;
@@ -101,6 +105,7 @@ pub(crate) fn main() -> Exit {
     };
     let done = match &typed.command {
         args::Command::Render(typed) => render::run(typed),
+        args::Command::Merge(typed) => merge::run(typed),
         args::Command::Check(typed) => check::run(typed),
         args::Command::Compare(typed) => compare::run(typed),
         args::Command::Lens(typed) => lens::run(typed),

@@ -3,56 +3,25 @@
 //! Everything that can be found wrong is found before the first photon: the
 //! names of the files, whether they can be written, the scene, the crop.
 
-use std::{fmt::Display, fs, num::NonZero, ops::ControlFlow, path::Path, time::Duration};
-
-use serde::Serialize;
+use std::{num::NonZero, ops::ControlFlow, time::Instant};
 
 use nephroid::{
-    film::{self, Attribute, Film, OutputError, Provenance, Window, atomic},
-    reference::{self, Options},
-    render::{self, Job, Progress},
+    reference::{self, Options, Reference},
+    render::{self, Job, Part, Progress, Renderer, Subject},
     scene::Scene,
 };
 
 use super::{
     Exit, Failure,
     args::RenderArgs,
-    deliver,
+    checkpoint::{self, Keeper},
     interrupt::Interrupt,
     media::Media,
+    outputs::{self, Json, Told},
     progress::{self, Goal, Reporter},
     tell,
-    values::{Crop, Format, Method, Output, default_outputs},
+    values::{Crop, Method, default_outputs},
 };
-
-/// Where the report goes as JSON.
-enum Json<'a> {
-    StandardOutput,
-    File(&'a Path),
-}
-
-/// What a render has brought, by whichever method.
-struct Finished {
-    film: Film,
-    interrupted: bool,
-    /// The report for people, and as JSON, or why it can't be.
-    words: String,
-    json: Result<String, String>,
-    /// Attributes of the method.
-    attributes: Vec<(String, Attribute)>,
-}
-
-impl Finished {
-    fn new(film: Film, interrupted: bool, report: &(impl Display + Serialize)) -> Self {
-        Self {
-            film,
-            interrupted,
-            words: report.to_string(),
-            json: serde_json::to_string_pretty(report).map_err(|e| e.to_string()),
-            attributes: Vec::new(),
-        }
-    }
-}
 
 /// Renders and writes the files.
 pub(super) fn run(typed: &RenderArgs) -> Result<Exit, Failure> {
@@ -61,11 +30,13 @@ pub(super) fn run(typed: &RenderArgs) -> Result<Exit, Failure> {
     } else {
         typed.output.clone()
     };
-    let json = typed.json.as_deref().map(|path| match path.to_str() {
-        Some("-") => Json::StandardOutput,
-        _ => Json::File(path),
-    });
-    probe(&outputs, json.as_ref())?;
+    let json = typed.json.as_deref().map(Json::of);
+    let checkpoint = checkpoint::file(typed);
+    if typed.checkpoint_every.is_some() && checkpoint.is_none() {
+        let message = "--checkpoint-every needs a file: add --checkpoint FILE";
+        return Err(Failure::bad_input(message));
+    }
+    outputs::probe(&outputs, json.as_ref(), checkpoint.as_slice())?;
     // Before the scene: its meshes are read in parallel.
     if let Some(threads) = typed.threads {
         rayon::ThreadPoolBuilder::new()
@@ -88,22 +59,19 @@ pub(super) fn run(typed: &RenderArgs) -> Result<Exit, Failure> {
         }
     }
     let interrupt = Interrupt::listen("the pass under way is finished and saved");
-    let (outcome, last) = render(typed, &scene, &job, &interrupt)?;
-    let was_interrupted = outcome.interrupted && interrupt.is_requested();
+    let mut keeper = Keeper::of(typed);
+    let (part, was_stopped) = render(typed, &scene, &job, &interrupt, &mut keeper)?;
+    let was_interrupted = was_stopped && interrupt.is_requested();
     interrupt.start_saving();
-    let provenance = Provenance {
-        scene_hash: fingerprint(&typed.scene),
-        seed: job.settings.seed,
-        photons: last.photons_emitted,
-        render_seconds: last.elapsed.as_secs_f64(),
-        further: outcome.attributes.clone(),
-    };
-    save(&outcome, &outputs, &job, &provenance, json.as_ref())?;
+    let told = Told::of(&part);
+    let kept = keeper.map_or(Ok(()), |keeper| keeper.finish(&part));
+    let mut faults = outputs::save(&part, &told, &outputs, json.as_ref());
+    faults.extend(kept.err());
+    if !faults.is_empty() {
+        return Err(Failure::fault(faults.join("\nerror: ")));
+    }
     if !typed.quiet {
-        tell(outcome.words.trim_end());
-        for output in &outputs {
-            tell(format_args!("wrote {}", output.path.display()));
-        }
+        told.say(outputs.iter().map(|o| o.path.as_path()));
     }
     Ok(if was_interrupted {
         Exit::Interrupted
@@ -112,30 +80,13 @@ pub(super) fn run(typed: &RenderArgs) -> Result<Exit, Failure> {
     })
 }
 
-/// Finds out whether the files can be written, before any work.
-fn probe(outputs: &[Output], json: Option<&Json>) -> Result<(), Failure> {
-    let mut paths: Vec<&Path> = outputs.iter().map(|o| o.path.as_path()).collect();
-    if let Some(Json::File(path)) = json {
-        paths.push(path);
-    }
-    for (i, path) in paths.iter().enumerate() {
-        if paths[..i].contains(path) {
-            let message = format!("{} is to be written twice", path.display());
-            return Err(Failure::bad_input(message));
-        }
-        atomic::probe(path).map_err(|e| match e {
-            OutputError::Io { .. } | OutputError::Encode { .. } => Failure::fault(e),
-            _ => Failure::bad_input(e),
-        })?;
-    }
-    Ok(())
-}
-
 /// The scene's settings with what was typed laid over them.
 fn job(typed: &RenderArgs, scene: &Scene) -> Result<Job, Failure> {
     let mut settings = scene.settings.clone();
+    let mut first_pass = 0;
     if let Some(passes) = typed.passes {
-        settings.passes = passes;
+        settings.passes = passes.end;
+        first_pass = passes.first;
     }
     if let Some(seed) = typed.seed {
         settings.seed = seed;
@@ -149,6 +100,7 @@ fn job(typed: &RenderArgs, scene: &Scene) -> Result<Job, Failure> {
     }
     let job = Job {
         settings,
+        first_pass,
         resolution,
         crop: typed
             .crop
@@ -178,6 +130,15 @@ fn check_fit(typed: &RenderArgs, scene: &Scene, job: &Job) -> Result<(), Failure
     match typed.method {
         Method::Photons => job.check().map_err(Failure::bad_input),
         Method::Reference(method) => {
+            if method.remembers() {
+                let why = "its passes need what those before them have left";
+                if checkpoint::file(typed).is_some() {
+                    return unused("a checkpoint", why);
+                }
+                if job.first_pass > 0 {
+                    return unused("a range of --passes", why);
+                }
+            }
             if typed.photons.is_some() && !method.has_light_paths() {
                 let why = "it starts no paths at the lights, or one for each from the eye";
                 return unused("--photons", why);
@@ -210,135 +171,68 @@ fn check_crop(crop: Crop, resolution: [u32; 2]) -> Result<(), Failure> {
     )))
 }
 
-/// Runs the passes; also the last progress that was reported.
+/// Runs the passes that are not done yet; also whether they were stopped before
+/// their end.
 fn render(
     typed: &RenderArgs,
     scene: &Scene,
     job: &Job,
     interrupt: &Interrupt,
-) -> Result<(Finished, Progress), Failure> {
+    keeper: &mut Option<Keeper<'_>>,
+) -> Result<(Part, bool), Failure> {
     // With a time given the scene's number of passes is no limit, but one that
     // was typed is, and the one that is reached first ends the render.
     let goal = match job.time {
         None => Goal {
-            passes: Some(job.settings.passes),
+            passes: Some(job.settings.passes - job.first_pass),
             time: None,
         },
         time => Goal {
-            passes: typed.passes,
+            passes: typed.passes.map(|passes| passes.end - passes.first),
             time,
         },
     };
+    let is_enough = |passes: u32| goal.passes.is_some_and(|n| passes >= n);
     let mut reporter = Reporter::new(typed.quiet);
-    let mut last = Progress {
-        passes_done: 0,
-        passes_total: job.settings.passes,
-        photons_emitted: 0,
-        elapsed: Duration::ZERO,
-    };
-    let mut on_progress = |progress: &Progress| {
+    let mut after_pass = |progress: &Progress, part: &Part| {
         reporter.show(progress, goal);
-        last = *progress;
-        let is_enough = goal.passes.is_some_and(|n| progress.passes_done >= n);
-        if is_enough || interrupt.is_requested() {
+        if let Some(keeper) = keeper {
+            keeper.after_pass(part);
+        }
+        if is_enough(progress.passes_done) || interrupt.is_requested() {
             ControlFlow::Break(())
         } else {
             ControlFlow::Continue(())
         }
     };
-    let finished = match typed.method {
+    let start = Instant::now();
+    let (part, was_stopped) = match typed.method {
         Method::Photons => {
-            let outcome = render::run(scene, job, &mut on_progress);
-            Finished::new(outcome.film, outcome.interrupted, &outcome.report)
+            let renderer = Renderer::new(scene, &job.settings, job.resolution, job.window());
+            let subject = Subject::of(scene, job, &renderer);
+            let mut part = checkpoint::start(typed, job, subject)?;
+            part.set_seconds(part.seconds() + start.elapsed().as_secs_f64());
+            let was_stopped = !is_enough(part.passes())
+                && render::go_on(&renderer, job, &mut part, &mut after_pass);
+            (part, was_stopped)
         }
         Method::Reference(method) => {
-            let options = options(typed);
-            let outcome = reference::render(scene, job, method, options, &mut on_progress)
-                .map_err(Failure::bad_input)?;
-            let name = Attribute::Text(method.name().to_owned());
-            Finished {
-                attributes: vec![("method".to_owned(), name)],
-                ..Finished::new(outcome.film, outcome.interrupted, &outcome.report)
-            }
+            let reference =
+                Reference::new(scene, job, method, options(typed)).map_err(Failure::bad_input)?;
+            let mut part = checkpoint::start(typed, job, reference.subject().clone())?;
+            part.set_seconds(part.seconds() + start.elapsed().as_secs_f64());
+            let was_stopped = !is_enough(part.passes())
+                && reference::go_on(&reference, job, &mut part, &mut after_pass);
+            (part, was_stopped)
         }
     };
     reporter.finish();
-    Ok((finished, last))
-}
-
-/// Writes every file, also after one has failed: what was computed is worth
-/// more than the order of the messages.
-fn save(
-    outcome: &Finished,
-    outputs: &[Output],
-    job: &Job,
-    provenance: &Provenance,
-    json: Option<&Json>,
-) -> Result<(), Failure> {
-    let film = &outcome.film;
-    let window = Window {
-        full: job.resolution,
-        origin: job.crop.map_or([0, 0], |[x, y, ..]| [x, y]),
-    };
-    let mut faults: Vec<String> = Vec::new();
-    for Output { path, format } in outputs {
-        let written = match format {
-            Format::Exr => film::write_film(path, film, window, provenance),
-            Format::Png => film::write_png(path, &film.image(), job.settings.exposure),
-        };
-        faults.extend(written.err().map(|e| e.to_string()));
-    }
-    if let Some(json) = json
-        && let Err(fault) = save_report(outcome, json)
-    {
-        faults.push(fault);
-    }
-    if faults.is_empty() {
-        Ok(())
-    } else {
-        Err(Failure::fault(faults.join("\nerror: ")))
-    }
-}
-
-fn save_report(outcome: &Finished, json: &Json) -> Result<(), String> {
-    let text = outcome.json.clone()?;
-    match json {
-        Json::StandardOutput => deliver(text),
-        Json::File(path) => {
-            atomic::write_whole(path, |file| writeln!(file, "{text}")).map_err(|e| e.to_string())
-        }
-    }
-}
-
-/// A fingerprint of the scene file's text: 128-bit FNV-1a in hexadecimal. Tells
-/// apart what changed by accident; it is no proof against intent, and files the
-/// scene names are not part of it.
-fn fingerprint(scene: &Path) -> String {
-    // The file was there a moment ago; if it is gone, its print is unknown.
-    fs::read(scene).map_or_else(
-        |_| String::new(),
-        |bytes| format!("{:032x}", fnv_1a(&bytes)),
-    )
-}
-
-/// Fowler, Noll, Vo: FNV-1a with 128 bits; the constants are the authors'.
-fn fnv_1a(bytes: &[u8]) -> u128 {
-    const OFFSET: u128 = 0x6c62_272e_07bb_0142_62b8_2175_6295_c58d;
-    const PRIME: u128 = 0x0000_0000_0100_0000_0000_0000_0000_013b;
-    bytes.iter().fold(OFFSET, |hash, &byte| {
-        (hash ^ u128::from(byte)).wrapping_mul(PRIME)
-    })
+    Ok((part, was_stopped))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn fingerprints_follow_the_published_vectors() {
-        assert_eq!(fnv_1a(b"a"), 0xd228_cb69_6f1a_8caf_7891_2b70_4e4a_8964);
-        assert_eq!(fnv_1a(b"foobar"), 0x343e_1662_793c_64bf_6f0d_3597_ba44_6f18);
-    }
 
     #[test]
     fn a_crop_lies_inside_the_picture() {

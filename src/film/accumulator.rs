@@ -32,20 +32,20 @@ pub const REPLICATES: usize = 8;
 /// times smaller than the typical value.
 const RANGE_IN_QUANTA_LOG2: i32 = 64 + 40;
 
-type RgbSum = [ExactSum; 3];
+pub(super) type RgbSum = [ExactSum; 3];
 
 /// The sums of a render; see the module's text.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Film {
-    width: u32,
-    height: u32,
-    quantum: Quantum,
+    pub(super) width: u32,
+    pub(super) height: u32,
+    pub(super) quantum: Quantum,
     /// Total radiance per pixel, one list per replicate.
-    replicates: [Vec<RgbSum>; REPLICATES],
+    pub(super) replicates: [Vec<RgbSum>; REPLICATES],
     /// Radiance per pixel and layer, over all replicates.
-    layers: Vec<[RgbSum; 4]>,
-    passes: [u64; REPLICATES],
-    refused: u64,
+    pub(super) layers: Vec<[RgbSum; 4]>,
+    pub(super) passes: [u64; REPLICATES],
+    pub(super) refused: u64,
 }
 
 /// Two films that do not belong to the same picture.
@@ -94,9 +94,14 @@ impl Film {
         self.height
     }
 
+    /// The unit in which the sums are counted.
+    pub fn quantum(&self) -> Quantum {
+        self.quantum
+    }
+
     /// Passes added so far, over all replicates.
     pub fn passes(&self) -> u64 {
-        self.passes.iter().sum()
+        self.passes.iter().fold(0, |sum, &n| sum.saturating_add(n))
     }
 
     /// Passes added so far to each replicate.
@@ -176,9 +181,9 @@ impl Film {
             }
         }
         for (ours, theirs) in self.passes.iter_mut().zip(other.passes) {
-            *ours += theirs;
+            *ours = ours.saturating_add(theirs);
         }
-        self.refused += other.refused;
+        self.refused = self.refused.saturating_add(other.refused);
         Ok(())
     }
 

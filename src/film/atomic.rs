@@ -5,6 +5,7 @@
 //! before that step leaves an existing file as it was and nothing new behind.
 
 use std::{
+    ffi::OsString,
     fs::{self, File},
     io::{self, BufWriter, Write},
     path::{Path, PathBuf},
@@ -12,6 +13,9 @@ use std::{
 
 use tempfile::NamedTempFile;
 use thiserror::Error;
+
+/// Random characters in the name of a temporary file.
+const RANDOM: usize = 6;
 
 /// Why a file could not be written. The message names the path and the cause.
 #[derive(Debug, Error)]
@@ -105,13 +109,48 @@ pub fn write_whole(
 }
 
 /// Whether `path` could be written now; so that a long render does not end in
-/// an error that was there at its start. Leaves nothing behind.
+/// an error that was there at its start. Leaves nothing behind, and takes away
+/// what programs have left that were killed while they wrote this file.
 ///
 /// # Errors
 /// See [`OutputError`].
 pub fn probe(path: &Path) -> Result<(), OutputError> {
     let (target, directory) = locate(path)?;
+    sweep(&target, &directory);
     create_beside(path, &target, &directory).map(drop)
+}
+
+/// What temporary files for `target` start with, and what all end in.
+fn affixes(target: &Path) -> (OsString, &'static str) {
+    let mut prefix = OsString::from(".");
+    prefix.push(target.file_name().unwrap_or_default());
+    (prefix, ".part")
+}
+
+/// Removes temporary files for `target` that no program is writing: who writes
+/// one holds a lock on it, and a lock ends with its program. What cannot be
+/// removed is of no harm.
+fn sweep(target: &Path, directory: &Path) {
+    let (prefix, suffix) = affixes(target);
+    let Ok(entries) = fs::read_dir(directory) else {
+        return;
+    };
+    for entry in entries.flatten() {
+        let name = entry.file_name();
+        let random = name
+            .as_encoded_bytes()
+            .strip_prefix(prefix.as_encoded_bytes())
+            .and_then(|rest| rest.strip_suffix(suffix.as_bytes()));
+        let is_ours =
+            random.is_some_and(|r| r.len() == RANDOM && r.iter().all(u8::is_ascii_alphanumeric));
+        if is_ours
+            && entry.file_type().is_ok_and(|kind| kind.is_file())
+            && let Ok(file) = File::open(entry.path())
+            && file.try_lock().is_ok()
+        {
+            let _ = fs::remove_file(entry.path());
+        }
+    }
 }
 
 /// The file to replace, links followed, and its directory; all that can be
@@ -155,19 +194,21 @@ fn create_beside(
     target: &Path,
     directory: &Path,
 ) -> Result<NamedTempFile, OutputError> {
-    let mut prefix = std::ffi::OsString::from(".");
-    prefix.push(target.file_name().unwrap_or_default());
+    let (prefix, suffix) = affixes(target);
     let mut builder = tempfile::Builder::new();
-    builder.prefix(&prefix).suffix(".part");
+    builder.prefix(&prefix).suffix(suffix).rand_bytes(RANDOM);
     // A result is an ordinary file: readable as far as the umask says, not
     // private as temporary files are by default.
     #[cfg(unix)]
     builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
-    builder
+    let temporary = builder
         .tempfile_in(directory)
         .map_err(|source| OutputError::Io {
             path: path.to_owned(),
             action: "creating a file beside it",
             source,
-        })
+        })?;
+    // Where files cannot be locked, what a killed program leaves stays.
+    let _ = temporary.as_file().try_lock();
+    Ok(temporary)
 }

@@ -8,7 +8,7 @@
 //! | name | type | meaning |
 //! |---|---|---|
 //! | `software` | string | program and version |
-//! | `sceneHash` | string | fingerprint of the scene |
+//! | `sceneHash` | string | fingerprint of all files of the scene |
 //! | `seed` | string | seed of the random numbers, decimal (64 bits fit no EXR number) |
 //! | `passes` | double | passes in the picture |
 //! | `photons` | double | photon paths emitted, all passes |

@@ -16,6 +16,7 @@ mod heights_file;
 mod image;
 mod layer;
 mod png_file;
+mod state;
 
 pub use accumulator::{Film, MergeError, REPLICATES};
 pub use atomic::OutputError;
@@ -25,3 +26,4 @@ pub use heights_file::{encode_heights, write_heights};
 pub use image::Image;
 pub use layer::{Layer, PixelSample};
 pub use png_file::{encode_png, exposure_factor, read_png, srgb_byte, write_png};
+pub use state::StateError;

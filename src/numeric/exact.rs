@@ -32,6 +32,17 @@ impl Quantum {
         }
     }
 
+    /// The quantum whose one count is worth `unit`; `None` unless that is what
+    /// [`Quantum::unit`] said of one.
+    pub fn of_unit(unit: f64) -> Option<Self> {
+        if !unit.is_normal() || unit < 0.0 {
+            return None;
+        }
+        // Inside the range the quantum of 2^64 units has just this unit.
+        let quantum = Self::for_typical(libm::ldexp(unit, 64));
+        (quantum.unit == unit).then_some(quantum)
+    }
+
     /// The value of one count.
     pub fn unit(self) -> f64 {
         self.unit
@@ -61,6 +72,18 @@ impl ExactSum {
         self.0 = self.0.saturating_add(other.0);
     }
 
+    /// The number of quanta.
+    #[inline]
+    pub fn counts(self) -> i128 {
+        self.0
+    }
+
+    /// The sum of so many quanta.
+    #[inline]
+    pub fn of_counts(counts: i128) -> Self {
+        Self(counts)
+    }
+
     /// The sum, rounded once.
     #[inline]
     pub fn value(self, quantum: Quantum) -> f64 {
@@ -81,6 +104,17 @@ mod tests {
             s.add(x, q);
         }
         assert_eq!(s.value(q), 1.0);
+    }
+
+    #[test]
+    fn a_quantum_comes_back_from_its_unit() {
+        for typical in [1e-300, 5e-324, 0.3, 1.0, 7e200, f64::MAX, f64::NAN] {
+            let q = Quantum::for_typical(typical);
+            assert_eq!(Quantum::of_unit(q.unit()), Some(q), "{typical}");
+        }
+        for unit in [0.0, -1.0, 3.0, f64::NAN, f64::INFINITY, 1e-320] {
+            assert_eq!(Quantum::of_unit(unit), None, "{unit}");
+        }
     }
 
     #[test]

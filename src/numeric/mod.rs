@@ -7,6 +7,7 @@
 //! knows about rendering.
 
 pub mod bounds;
+pub mod dyadic;
 pub mod exact;
 pub mod frame;
 pub mod interval;
@@ -18,6 +19,7 @@ pub mod trig;
 pub mod vector_pair;
 
 pub use bounds::{U, gamma};
+pub use dyadic::DyadicSum;
 pub use exact::ExactSum;
 pub use frame::Frame;
 pub use interval::Interval;

@@ -2,7 +2,7 @@
 
 use std::ops::AddAssign;
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// What became of the photons of one light. Amounts are sums of flux (mean of
 /// the colour channels) over all launched paths, in W times paths; `paths`
@@ -12,7 +12,7 @@ use serde::Serialize;
 /// shading_change = stored + direct + absorbed + escaped + roulette_loss +
 /// truncated`. A stored photon has landed for good; what the surface sends on
 /// of it is booked anew as `reflected`.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct LightTally {
     /// Paths launched, those of zero flux included.
     pub paths: u64,
@@ -77,10 +77,10 @@ impl LightTally {
 
 impl AddAssign for LightTally {
     fn add_assign(&mut self, o: Self) {
-        self.paths += o.paths;
-        self.photons += o.photons;
-        self.truncated_paths += o.truncated_paths;
-        self.landed_paths += o.landed_paths;
+        self.paths = self.paths.saturating_add(o.paths);
+        self.photons = self.photons.saturating_add(o.photons);
+        self.truncated_paths = self.truncated_paths.saturating_add(o.truncated_paths);
+        self.landed_paths = self.landed_paths.saturating_add(o.landed_paths);
         self.launched += o.launched;
         self.reflected += o.reflected;
         self.roulette_gain += o.roulette_gain;
@@ -95,7 +95,7 @@ impl AddAssign for LightTally {
 }
 
 /// One tally a light.
-#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Tally {
     /// In the order of the scene's lights.
     pub lights: Vec<LightTally>,

@@ -7,8 +7,7 @@ use serde::Serialize;
 use crate::{
     film::{Film, PixelSample},
     metrics::relative_noise,
-    plan::film_quantum,
-    render::{Job, Progress, REPLICATES},
+    render::{Job, Part, Progress, REPLICATES, Subject},
     scene::Scene,
 };
 
@@ -29,6 +28,7 @@ pub struct Reference<'a> {
     nearest: NonZero<u32>,
     /// Passes of each replicate that the settings ask for.
     rounds: u32,
+    subject: Subject,
     /// Only of the method that needs it.
     solver: Option<Solver<'a>>,
 }
@@ -53,7 +53,21 @@ impl<'a> Reference<'a> {
         let middle = scene.world.bounds().map(|b| b.bounding_sphere().center);
         let distance = middle.map_or(1.0, |m| (m - setup.camera.eye()).length());
         let distance = if distance > 0.0 { distance } else { 1.0 };
+        let subject = Subject {
+            photons_per_pass: if method.has_light_paths() {
+                setup.light_paths()
+            } else {
+                0
+            },
+            options: match method {
+                Method::Radiosity => format!("--patches {}", options.patches),
+                _ => String::new(),
+            },
+            blind_spots: method.blind_spots(scene),
+            ..Subject::without_photons(scene, job, method.name())
+        };
         Ok(Self {
+            subject,
             pinhole: Pinhole::for_distance(&setup.camera, distance),
             setup,
             method,
@@ -68,6 +82,12 @@ impl<'a> Reference<'a> {
     #[must_use]
     pub fn with_pinhole(self, pinhole: Pinhole) -> Self {
         Self { pinhole, ..self }
+    }
+
+    /// What is rendered. What a method needs that remembers (see
+    /// [`Method::remembers`]) is no part of it.
+    pub fn subject(&self) -> &Subject {
+        &self.subject
     }
 
     /// The passes from the first on, without end.
@@ -217,6 +237,8 @@ pub struct Report {
     pub seed: u64,
     /// Passes finished.
     pub passes: u32,
+    /// Number of the first of them; not 0 for a part of a picture.
+    pub first_pass: u64,
     /// Longest chain of surface interactions.
     pub max_depth: u32,
     /// Paths from the lights, of methods for which their number can be chosen.
@@ -239,6 +261,10 @@ impl fmt::Display for Report {
             "{} passes of method {} in {:.1} s",
             self.passes, self.method, self.seconds
         )?;
+        if self.first_pass > 0 {
+            let end = self.first_pass + u64::from(self.passes);
+            write!(f, " ({}..{end})", self.first_pass)?;
+        }
         if self.light_paths > 0 {
             write!(f, ", {} light paths", self.light_paths)?;
         }
@@ -256,6 +282,48 @@ impl fmt::Display for Report {
     }
 }
 
+impl Report {
+    /// The report of some passes by a reference method.
+    pub fn of(part: &Part) -> Self {
+        let (subject, film) = (part.subject(), part.film());
+        Self {
+            version: subject.version.clone(),
+            method: subject.method.clone(),
+            size: [film.width(), film.height()],
+            seed: subject.seed,
+            passes: part.passes(),
+            first_pass: part.runs().first().map_or(0, |run| run.start),
+            max_depth: subject.max_depth,
+            light_paths: part.photons_emitted(),
+            samples_refused: film.refused(),
+            noise: film
+                .noise()
+                .map(|noise| relative_noise(&film.image(), &noise)),
+            blind_spots: subject.blind_spots.clone(),
+            seconds: part.seconds(),
+        }
+    }
+}
+
+/// Adds the passes to `part` that it still lacks; whether the caller stopped it
+/// before its end. `after_pass` is called after every pass; `Break` ends the
+/// render. The part must be of the subject of `reference`, and its passes those
+/// from the job's first one on; of a method that remembers it must be empty.
+pub fn go_on(
+    reference: &Reference<'_>,
+    job: &Job,
+    part: &mut Part,
+    after_pass: &mut dyn FnMut(&Progress, &Part) -> ControlFlow<()>,
+) -> bool {
+    let mut memory = Memory::default();
+    job.add_passes(part, after_pass, &mut |part, index| {
+        let samples = reference.pass(index, &mut memory);
+        let before = reference.light_paths(index);
+        let emitted = reference.light_paths(index.saturating_add(1)) - before;
+        part.add_samples(index, &samples, emitted);
+    })
+}
+
 /// Renders by a reference method. `on_progress` is called after every pass;
 /// `Break` ends the render with what was reached.
 ///
@@ -269,47 +337,15 @@ pub fn render(
     on_progress: &mut dyn FnMut(&Progress) -> ControlFlow<()>,
 ) -> Result<Outcome, Refused> {
     let start = Instant::now();
-    let crop = job.window();
     let reference = Reference::new(scene, job, method, options)?;
-    let mut film = Film::new(crop[2], crop[3], film_quantum(scene));
-    let (mut done, mut interrupted) = (0, false);
-    for samples in reference.passes() {
-        film.add_pass(done, &samples);
-        done += 1;
-        let elapsed = start.elapsed();
-        let passes_total = job.passes_wanted(done, elapsed);
-        let flow = on_progress(&Progress {
-            passes_done: done,
-            passes_total,
-            photons_emitted: reference.light_paths(done),
-            elapsed,
-        });
-        if done >= passes_total {
-            break;
-        }
-        if flow.is_break() {
-            interrupted = true;
-            break;
-        }
-    }
-    let report = Report {
-        version: env!("CARGO_PKG_VERSION").to_owned(),
-        method: method.name().to_owned(),
-        size: [film.width(), film.height()],
-        seed: job.settings.seed,
-        passes: done,
-        max_depth: job.settings.max_depth,
-        light_paths: reference.light_paths(done),
-        samples_refused: film.refused(),
-        noise: film
-            .noise()
-            .map(|noise| relative_noise(&film.image(), &noise)),
-        blind_spots: method.blind_spots(scene),
-        seconds: start.elapsed().as_secs_f64(),
-    };
+    let mut part = Part::new(reference.subject().clone());
+    part.set_seconds(start.elapsed().as_secs_f64());
+    let interrupted = go_on(&reference, job, &mut part, &mut |progress, _| {
+        on_progress(progress)
+    });
     Ok(Outcome {
-        film,
-        report,
+        report: Report::of(&part),
+        film: part.into_film(),
         interrupted,
     })
 }

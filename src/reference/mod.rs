@@ -34,7 +34,7 @@ mod sources;
 mod sppm;
 mod whitted;
 
-pub use driver::{Memory, Outcome, Passes, Reference, Report, render};
+pub use driver::{Memory, Outcome, Passes, Reference, Report, go_on, render};
 pub use forward::Forward;
 pub use memory::{Refused, check};
 pub use method::Method;

@@ -8,25 +8,24 @@ use std::{
 use crate::{
     film::Film,
     metrics::relative_noise,
-    photon::Tally,
-    plan::film_quantum,
-    sampling::{Purpose, Sequence},
+    photon::LightTally,
     scene::{Scene, Settings},
 };
 
 use super::{
-    LightReport, REPLICATES, Renderer, Report,
+    LightReport, Part, REPLICATES, Renderer, Report, Schedule, Subject,
     memory::{TooLarge, photon_budget},
 };
-
-/// Starts with which the power that is not aimed at casters is estimated.
-const NOT_AIMED_SAMPLES: u64 = 4096;
 
 /// What to render and when to stop.
 #[derive(Clone, Debug)]
 pub struct Job {
-    /// Settings, the scene's own or overridden.
+    /// Settings, the scene's own or overridden. `settings.passes` is where the
+    /// passes end: the first one that is not rendered.
     pub settings: Settings,
+    /// The first pass to render, below `settings.passes`; 0 unless others
+    /// render those before it.
+    pub first_pass: u32,
     /// Width and height of the whole picture in pixels.
     pub resolution: [u32; 2],
     /// Window to render: x, y, width, height in pixels; all without.
@@ -41,6 +40,7 @@ impl Job {
     pub fn of(scene: &Scene) -> Self {
         Self {
             settings: scene.settings.clone(),
+            first_pass: 0,
             resolution: scene.resolution,
             crop: None,
             time: None,
@@ -62,14 +62,44 @@ impl Job {
     /// of them.
     pub fn passes_wanted(&self, done: u32, elapsed: Duration) -> u32 {
         let Some(limit) = self.time else {
-            return self.settings.passes.max(1);
+            return self.settings.passes.saturating_sub(self.first_pass).max(1);
         };
         if elapsed >= limit {
             return done;
         }
         let rate = f64::from(done) / elapsed.as_secs_f64().max(1e-9);
         // At least one more; `as` saturates.
-        ((limit.as_secs_f64() * rate) as u32).max(done + 1)
+        ((limit.as_secs_f64() * rate) as u32).max(done.saturating_add(1))
+    }
+
+    /// Adds passes to `part` until there are as many as wanted, one at least if
+    /// there was none; whether the caller stopped it before that.
+    pub(crate) fn add_passes(
+        &self,
+        part: &mut Part,
+        after_pass: &mut dyn FnMut(&Progress, &Part) -> ControlFlow<()>,
+        add: &mut dyn FnMut(&mut Part, u32),
+    ) -> bool {
+        let start = Instant::now();
+        let before = part.seconds();
+        let mut progress = part.progress(0);
+        loop {
+            let done = progress.passes_done;
+            progress.passes_total = self.passes_wanted(done, progress.elapsed);
+            // Beyond the last number there are no passes.
+            let next = self.first_pass.checked_add(done);
+            let (Some(next), true) = (next, done == 0 || done < progress.passes_total) else {
+                return false;
+            };
+            add(part, next);
+            part.set_seconds(before + start.elapsed().as_secs_f64());
+            progress = part.progress(0);
+            progress.passes_total = self.passes_wanted(progress.passes_done, progress.elapsed);
+            let flow = after_pass(&progress, part);
+            if flow.is_break() && progress.passes_done < progress.passes_total {
+                return true;
+            }
+        }
     }
 
     /// The window to render: x, y, width, height in pixels.
@@ -103,20 +133,6 @@ pub struct Outcome {
     pub interrupted: bool,
 }
 
-/// Sums over passes that do not belong to pixels.
-#[derive(Default)]
-struct Totals {
-    emitted: u64,
-    stored: u64,
-    photons_refused: u64,
-    truncated: u64,
-    queries: u64,
-    visited: u64,
-    tested: u64,
-    accepted: u64,
-    tally: Tally,
-}
-
 /// Renders. `on_progress` is called after every pass; `Break` ends the render
 /// with what was reached.
 pub fn run(
@@ -125,110 +141,93 @@ pub fn run(
     on_progress: &mut dyn FnMut(&Progress) -> ControlFlow<()>,
 ) -> Outcome {
     let start = Instant::now();
-    let crop = job.window();
-    let renderer = Renderer::new(scene, &job.settings, job.resolution, crop);
-    let mut film = Film::new(crop[2], crop[3], film_quantum(scene));
-    let mut totals = Totals {
-        tally: Tally::new(scene.lights.len()),
-        ..Totals::default()
-    };
-    let mut done = 0;
-    let mut interrupted = false;
-    loop {
-        let pass = renderer.pass(done);
-        film.add_pass(done, &pass.samples);
-        totals.emitted += pass.emitted;
-        totals.stored += pass.stored;
-        totals.photons_refused += pass.refused;
-        totals.truncated += pass.truncated;
-        totals.queries += pass.queries;
-        totals.visited += pass.visited;
-        totals.tested += pass.tested;
-        totals.accepted += pass.accepted;
-        totals.tally.merge(&pass.tally);
-        done += 1;
-        let elapsed = start.elapsed();
-        let total = job.passes_wanted(done, elapsed);
-        let progress = Progress {
-            passes_done: done,
-            passes_total: total,
-            photons_emitted: totals.emitted,
-            elapsed,
-        };
-        let flow = on_progress(&progress);
-        if done >= total {
-            break;
-        }
-        if flow.is_break() {
-            interrupted = true;
-            break;
-        }
-    }
-    let report = report(scene, job, &renderer, &film, &totals, done, start.elapsed());
+    let renderer = Renderer::new(scene, &job.settings, job.resolution, job.window());
+    let mut part = Part::new(Subject::of(scene, job, &renderer));
+    part.set_seconds(start.elapsed().as_secs_f64());
+    let interrupted = go_on(&renderer, job, &mut part, &mut |progress, _| {
+        on_progress(progress)
+    });
     Outcome {
-        film,
-        report,
+        report: Report::of(&part),
+        film: part.into_film(),
         interrupted,
     }
 }
 
-fn report(
-    scene: &Scene,
-    job: &Job,
+/// Adds the passes to `part` that it still lacks; whether the caller stopped it
+/// before its end. `after_pass` is called after every pass, with what is there
+/// then; `Break` ends the render. The part must be of the subject of `renderer`
+/// and `job`, and its passes those from the job's first one on.
+pub fn go_on(
     renderer: &Renderer<'_>,
-    film: &Film,
-    totals: &Totals,
-    passes: u32,
-    elapsed: Duration,
-) -> Report {
-    let ledger = Report::ledger(&totals.tally, totals.emitted);
-    let lights = scene
-        .lights
-        .iter()
-        .enumerate()
-        .zip(ledger)
-        .map(|((i, light), ledger)| LightReport {
-            name: light.name.clone(),
-            power: light.light.power().map(crate::spectrum::Rgb::mean),
-            launched: ledger.launched,
-            not_aimed: renderer.emitter().and_then(|e| {
-                let pilot = Sequence::new(job.settings.seed, Purpose::Pilot, 1, i as u64);
-                e.aims()[i].not_aimed(pilot, NOT_AIMED_SAMPLES)
-            }),
-            ledger,
-        })
-        .collect::<Vec<_>>();
-    let sum = |f: fn(&LightReport) -> f64| lights.iter().map(f).sum::<f64>();
-    let launched = sum(|l| l.ledger.launched);
-    let last_round = passes.saturating_sub(1) / REPLICATES;
-    Report {
-        version: env!("CARGO_PKG_VERSION").to_owned(),
-        size: [film.width(), film.height()],
-        seed: job.settings.seed,
-        passes,
-        photons_emitted: totals.emitted,
-        photons_stored: totals.stored,
-        photons_refused: totals.photons_refused,
-        queries: totals.queries,
-        visited: totals.visited,
-        tested: totals.tested,
-        accepted: totals.accepted,
-        photons_per_pass: renderer.photons(),
-        radius: [renderer.scale(0), renderer.scale(last_round)],
-        indirect: renderer.plan().indirect,
-        caustics: renderer.emitter().is_some(),
-        max_depth: job.settings.max_depth,
-        camera_paths_truncated: totals.truncated,
-        flux_truncated: if launched > 0.0 {
-            sum(|l| l.ledger.truncated) / launched
-        } else {
-            0.0
-        },
-        samples_refused: film.refused(),
-        noise: film
-            .noise()
-            .map(|noise| relative_noise(&film.image(), &noise)),
-        seconds: elapsed.as_secs_f64(),
-        lights,
+    job: &Job,
+    part: &mut Part,
+    after_pass: &mut dyn FnMut(&Progress, &Part) -> ControlFlow<()>,
+) -> bool {
+    job.add_passes(part, after_pass, &mut |part, index| {
+        part.add_pass(index, &renderer.pass(index));
+    })
+}
+
+impl Report {
+    /// The report of some passes by the renderer's own method.
+    pub fn of(part: &Part) -> Self {
+        let subject = &part.subject;
+        let totals = part.totals.total();
+        let ledger = Self::ledger(&totals.tally, totals.emitted);
+        let facts = subject.lights.iter();
+        // Without any pass the ledgers are empty.
+        let ledger = ledger
+            .into_iter()
+            .chain(std::iter::repeat(LightTally::default()));
+        let lights = facts
+            .zip(ledger)
+            .map(|(facts, ledger)| LightReport {
+                name: facts.name.clone(),
+                power: facts.power,
+                launched: ledger.launched,
+                not_aimed: facts.not_aimed,
+                ledger,
+            })
+            .collect::<Vec<_>>();
+        let sum = |f: fn(&LightReport) -> f64| lights.iter().map(f).sum::<f64>();
+        let launched = sum(|l| l.ledger.launched);
+        let film = &part.film;
+        let runs = part.runs();
+        let schedule = Schedule::new(subject.radius);
+        let scale = |pass: u64| schedule.scale((pass / u64::from(REPLICATES)) as u32);
+        let first_pass = runs.first().map_or(0, |run| run.start);
+        let last_pass = runs.last().map_or(0, |run| run.end.saturating_sub(1));
+        Self {
+            version: subject.version.clone(),
+            size: [film.width(), film.height()],
+            seed: subject.seed,
+            passes: part.passes(),
+            first_pass,
+            photons_emitted: totals.emitted,
+            photons_stored: totals.stored,
+            photons_refused: totals.photons_refused,
+            queries: totals.queries,
+            visited: totals.visited,
+            tested: totals.tested,
+            accepted: totals.accepted,
+            photons_per_pass: subject.photons_per_pass,
+            radius: [scale(first_pass), scale(last_pass)],
+            indirect: subject.indirect,
+            caustics: subject.caustics,
+            max_depth: subject.max_depth,
+            camera_paths_truncated: totals.truncated,
+            flux_truncated: if launched > 0.0 {
+                sum(|l| l.ledger.truncated) / launched
+            } else {
+                0.0
+            },
+            samples_refused: film.refused(),
+            noise: film
+                .noise()
+                .map(|noise| relative_noise(&film.image(), &noise)),
+            seconds: part.seconds,
+            lights,
+        }
     }
 }

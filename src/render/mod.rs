@@ -7,23 +7,29 @@
 
 mod camera_pass;
 mod camera_walk;
+mod checkpoint;
 mod coordinates;
 mod driver;
 mod glints;
 mod importance;
 mod memory;
+mod part;
 mod pass;
 mod pilot;
 mod refine;
 mod report;
 mod schedule;
 mod share;
+mod subject;
 mod tally;
 mod view;
 
-pub use driver::{Job, Outcome, Progress, run};
+pub use checkpoint::{CheckpointFault, SaveError};
+pub use driver::{Job, Outcome, Progress, go_on, run};
 pub use memory::TooLarge;
 pub(crate) use memory::{film_bytes, mebibytes};
+pub use part::{MergeFault, Part};
 pub use pass::{PassOutput, Renderer};
 pub use report::{LightReport, Report};
 pub use schedule::{REPLICATES, Schedule};
+pub use subject::{LightFacts, Subject};

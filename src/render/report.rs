@@ -33,6 +33,8 @@ pub struct Report {
     pub seed: u64,
     /// Passes finished.
     pub passes: u32,
+    /// Number of the first of them; not 0 for a part of a picture.
+    pub first_pass: u64,
     /// Photon paths emitted.
     pub photons_emitted: u64,
     /// Photons stored.
@@ -67,7 +69,7 @@ pub struct Report {
     /// replicates: root of the mean of (noise / (value^2 + 0.01 mean^2)^(1/2))
     /// squared. `None` before the second replicate.
     pub noise: Option<f64>,
-    /// Wall time in seconds.
+    /// Wall time in seconds; of merged parts the sum.
     pub seconds: f64,
     /// Lights in the order of the scene.
     pub lights: Vec<LightReport>,
@@ -96,6 +98,10 @@ fn percent(share: f64) -> String {
 impl fmt::Display for Report {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{} passes in {:.1} s", self.passes, self.seconds)?;
+        if self.first_pass > 0 {
+            let end = self.first_pass + u64::from(self.passes);
+            write!(f, " ({}..{end})", self.first_pass)?;
+        }
         if self.caustics {
             write!(
                 f,

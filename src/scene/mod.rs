@@ -18,6 +18,7 @@ pub mod description;
 pub mod diagnostics;
 pub mod generate;
 pub mod image_file;
+mod input;
 mod literal;
 mod load;
 pub mod mesh_file;
@@ -36,6 +37,7 @@ mod summary;
 mod vocabulary;
 
 pub use diagnostics::{Diagnostic, Diagnostics, Place};
+pub use input::{Digest, Input, Inputs, fingerprint};
 pub use load::{MAX_SCENE_BYTES, load, load_str, load_watched};
 pub use scene::{NamedLight, Object, Scene};
 pub use settings::{Kernel, Sampler, Settings};

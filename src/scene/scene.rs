@@ -7,7 +7,7 @@ use crate::{
     material::Material,
 };
 
-use super::settings::Settings;
+use super::{input::Input, settings::Settings};
 
 /// What hangs on an instance of the world with the same index.
 #[derive(Clone, Debug)]
@@ -52,6 +52,9 @@ pub struct Scene {
     pub filter: Filter,
     /// What the file's `render` block says, defaults filled in.
     pub settings: Settings,
+    /// The files the scene was made from: its own, then those it names, in the
+    /// order in which they were read.
+    pub inputs: Vec<Input>,
 }
 
 impl Scene {

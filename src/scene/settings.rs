@@ -1,10 +1,10 @@
 //! How to render: the `render` block of a scene file with defaults filled in.
 
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
 /// The points at which a render looks: what low discrepancy buys can be seen
 /// by doing without.
-#[derive(Clone, Copy, Debug, Default, Deserialize, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize, PartialEq, Eq)]
 #[serde(rename = "sampler")]
 pub enum Sampler {
     /// One Owen-scrambled Sobol sequence for each replicate, continued from
@@ -17,7 +17,7 @@ pub enum Sampler {
 
 /// The area over which a photon's light is spread: what derivatives buy can
 /// be seen by doing without.
-#[derive(Clone, Copy, Debug, Default, Deserialize, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize, PartialEq, Eq)]
 #[serde(rename = "kernel")]
 pub enum Kernel {
     /// An ellipse as the photon's derivatives tell, where they do.

@@ -66,6 +66,7 @@ impl<'a> Prepared<'a> {
 pub(super) fn job(settings: &Settings, resolution: [u32; 2]) -> Job {
     Job {
         settings: settings.clone(),
+        first_pass: 0,
         resolution,
         crop: None,
         time: None,

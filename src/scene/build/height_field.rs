@@ -166,7 +166,7 @@ impl Builder<'_> {
     fn height_image(&mut self, node: NodeId, path: &str, channel: Option<&str>) -> Option<Samples> {
         let place = self.report.field(node, "heights");
         let path = self.base_dir.join(path);
-        let fault = match image_file::read(&path, channel) {
+        let fault = match image_file::read(&path, channel, &self.inputs) {
             Ok(image) => return Some(image),
             Err(fault) => fault,
         };

@@ -20,7 +20,7 @@ mod stock;
 use std::{collections::HashMap, path::Path, sync::Arc};
 
 use super::{
-    NamedLight, Object, Scene, Settings, description::Description, mesh_file::Watch,
+    Input, Inputs, NamedLight, Object, Scene, Settings, description::Description, mesh_file::Watch,
     outline::NodeId, report::Report,
 };
 use crate::{
@@ -45,6 +45,8 @@ struct Builder<'d> {
     stock: stock::Stock,
     /// Is told how far it is.
     watch: Watch<'d>,
+    /// Files that were read.
+    inputs: Inputs,
     /// Triangles that generators may still make.
     triangles_left: u64,
 }
@@ -74,6 +76,7 @@ pub(super) fn build(
         meshes: HashMap::new(),
         stock: stock::Stock::default(),
         watch,
+        inputs: Inputs::new(base_dir),
         triangles_left: super::MAX_TRIANGLES,
     };
     if builder.report.diagnostics.is_full() {
@@ -94,6 +97,8 @@ pub(super) fn build(
     }
     let mut scene = assemble(objects, lights, camera?, image?, settings);
     scene.camera_medium = camera_medium;
+    scene.inputs = vec![Input::scene(builder.report.text())];
+    scene.inputs.extend(builder.inputs.into_list());
     Some(scene)
 }
 
@@ -142,6 +147,7 @@ fn assemble(
         resolution: image.resolution,
         filter: image.filter,
         settings,
+        inputs: Vec::new(),
     }
 }
 

@@ -228,7 +228,7 @@ impl Builder<'_> {
             return read.as_ref().map(|_| ());
         }
         let path = self.base_dir.join(file);
-        let data = match mesh_file::read(&path, self.watch) {
+        let data = match mesh_file::read(&path, self.watch, &self.inputs) {
             Ok(data) => Some(data),
             Err(diagnostic) if !path.is_file() => self.report.reject(
                 place,

@@ -10,6 +10,8 @@ mod png;
 
 use std::{fs::File, io::Read, path::Path};
 
+use super::Inputs;
+
 /// Most samples of an image.
 pub const MAX_SAMPLES: u64 = 1 << 24;
 /// Largest image file, in bytes.
@@ -56,12 +58,13 @@ impl Fault {
 }
 
 /// Reads an image; the name's extension decides the format. `channel` chooses
-/// among the channels of an EXR image.
+/// among the channels of an EXR image. `inputs` takes note of the file.
 ///
 /// # Errors
 /// What is wrong with the file.
-pub fn read(path: &Path, channel: Option<&str>) -> Result<Samples, Fault> {
+pub fn read(path: &Path, channel: Option<&str>, inputs: &Inputs) -> Result<Samples, Fault> {
     let bytes = read_bytes(path).map_err(|message| Fault::new(message, ""))?;
+    inputs.add(path, &bytes);
     parse(path, &bytes, channel)
 }
 

@@ -19,7 +19,7 @@ use std::{fs::File, io::Read, path::Path};
 
 use glam::DVec3;
 
-use super::diagnostics::Diagnostic;
+use super::{Inputs, diagnostics::Diagnostic};
 use fault::Fault;
 use progress::Progress;
 
@@ -96,15 +96,17 @@ impl MeshData {
     }
 }
 
-/// Reads a mesh file; the extension decides the format.
+/// Reads a mesh file; the extension decides the format. `inputs` takes note of
+/// it and of the files that it names.
 ///
 /// # Errors
 /// What is wrong with the file, and where.
-pub fn read(path: &Path, watch: Watch) -> Result<MeshData, Box<Diagnostic>> {
+pub fn read(path: &Path, watch: Watch, inputs: &Inputs) -> Result<MeshData, Box<Diagnostic>> {
     let name = path.display().to_string();
     let bytes =
         read_bytes(path).map_err(|message| Box::new(Diagnostic::of_file(&name, message)))?;
-    parse_watched(&name, &bytes, watch)
+    inputs.add(path, &bytes);
+    parse_watched(&name, &bytes, watch, inputs)
 }
 
 /// Reads a mesh from the bytes of a file; the name's extension decides the
@@ -113,10 +115,15 @@ pub fn read(path: &Path, watch: Watch) -> Result<MeshData, Box<Diagnostic>> {
 /// # Errors
 /// What is wrong with the bytes, and where.
 pub fn parse(name: &str, bytes: &[u8]) -> Result<MeshData, Box<Diagnostic>> {
-    parse_watched(name, bytes, &|_| {})
+    parse_watched(name, bytes, &|_| {}, &Inputs::default())
 }
 
-fn parse_watched(name: &str, bytes: &[u8], watch: Watch) -> Result<MeshData, Box<Diagnostic>> {
+fn parse_watched(
+    name: &str,
+    bytes: &[u8],
+    watch: Watch,
+    inputs: &Inputs,
+) -> Result<MeshData, Box<Diagnostic>> {
     let path = Path::new(name);
     let extension = path
         .extension()
@@ -128,8 +135,8 @@ fn parse_watched(name: &str, bytes: &[u8], watch: Watch) -> Result<MeshData, Box
         "obj" => obj::parse(bytes, lines::CHUNK, &progress),
         "ply" => ply::parse(bytes, lines::CHUNK, &progress),
         "stl" => stl::parse(bytes, &progress),
-        "gltf" => gltf::parse_text(bytes, folder),
-        "glb" => gltf::parse_binary(bytes, folder),
+        "gltf" => gltf::parse_text(bytes, folder, inputs),
+        "glb" => gltf::parse_binary(bytes, folder, inputs),
         _ => Err(Fault::file(format!(
             "the name of a mesh file ends in {EXTENSIONS}"
         ))),

@@ -5,7 +5,10 @@ use std::{borrow::Cow, collections::HashMap, ops::Range, path::Path, rc::Rc};
 use serde::{Deserialize, de::IgnoredAny};
 
 use super::document::{Document, List};
-use crate::scene::mesh_file::{Fault, MAX_MESH_BYTES, read_bytes};
+use crate::scene::{
+    Inputs,
+    mesh_file::{Fault, MAX_MESH_BYTES, read_bytes},
+};
 
 #[derive(Deserialize)]
 #[serde(rename_all = "camelCase")]
@@ -161,6 +164,7 @@ pub(super) struct Buffers<'a, 'd> {
     document: &'d Document<'a>,
     bin: Option<&'a [u8]>,
     folder: &'d Path,
+    inputs: &'d Inputs,
     by_uri: HashMap<String, Bytes<'a>>,
     by_index: HashMap<usize, Bytes<'a>>,
     elements: HashMap<usize, Elements<'a>>,
@@ -169,11 +173,17 @@ pub(super) struct Buffers<'a, 'd> {
 }
 
 impl<'a, 'd> Buffers<'a, 'd> {
-    pub(super) fn new(document: &'d Document<'a>, bin: Option<&'a [u8]>, folder: &'d Path) -> Self {
+    pub(super) fn new(
+        document: &'d Document<'a>,
+        bin: Option<&'a [u8]>,
+        folder: &'d Path,
+        inputs: &'d Inputs,
+    ) -> Self {
         Self {
             document,
             bin,
             folder,
+            inputs,
             by_uri: HashMap::new(),
             by_index: HashMap::new(),
             elements: HashMap::new(),
@@ -321,6 +331,7 @@ impl<'a, 'd> Buffers<'a, 'd> {
                 MAX_MESH_BYTES >> 30
             ));
         }
+        self.inputs.add(&path, &bytes);
         Ok(bytes)
     }
 }

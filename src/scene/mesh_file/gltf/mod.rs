@@ -18,17 +18,22 @@ use self::{
     nodes::Assembler,
 };
 use super::{Fault, MeshData};
+use crate::scene::Inputs;
 
-pub(super) fn parse_text(bytes: &[u8], folder: &Path) -> Result<MeshData, Fault> {
+pub(super) fn parse_text(bytes: &[u8], folder: &Path, inputs: &Inputs) -> Result<MeshData, Fault> {
     let document = Document::read(bytes, 0, Form::Text)?;
-    assemble(&document, None, folder)
+    assemble(&document, None, folder, inputs)
 }
 
 const MAGIC: u32 = u32::from_le_bytes(*b"glTF");
 const JSON: u32 = u32::from_le_bytes(*b"JSON");
 const BIN: u32 = u32::from_le_bytes(*b"BIN\0");
 
-pub(super) fn parse_binary(bytes: &[u8], folder: &Path) -> Result<MeshData, Fault> {
+pub(super) fn parse_binary(
+    bytes: &[u8],
+    folder: &Path,
+    inputs: &Inputs,
+) -> Result<MeshData, Fault> {
     let word = |at: usize| {
         let b: Option<[u8; 4]> = bytes.get(at..at + 4).and_then(|b| b.try_into().ok());
         b.map(u32::from_le_bytes)
@@ -80,11 +85,16 @@ pub(super) fn parse_binary(bytes: &[u8], folder: &Path) -> Result<MeshData, Faul
     } else {
         Some(chunk("BIN", BIN)?.1)
     };
-    assemble(&document, bin, folder)
+    assemble(&document, bin, folder, inputs)
 }
 
-fn assemble(document: &Document, bin: Option<&[u8]>, folder: &Path) -> Result<MeshData, Fault> {
-    let buffers = Buffers::new(document, bin, folder);
+fn assemble(
+    document: &Document,
+    bin: Option<&[u8]>,
+    folder: &Path,
+    inputs: &Inputs,
+) -> Result<MeshData, Fault> {
+    let buffers = Buffers::new(document, bin, folder, inputs);
     Assembler::new(document, buffers).scene()
 }
 

@@ -72,7 +72,11 @@ fn document(rest: &str) -> String {
 }
 
 fn read(rest: &str) -> Result<MeshData, Fault> {
-    parse_text(document(rest).as_bytes(), Path::new("/nonexistent"))
+    parse_text(
+        document(rest).as_bytes(),
+        Path::new("/nonexistent"),
+        &Inputs::default(),
+    )
 }
 
 /// The corners of all triangles.
@@ -170,7 +174,7 @@ fn binary_files_hold_both_parts() {
         bytes.extend(name);
         bytes.extend(chunk);
     }
-    let read = |bytes: &[u8]| parse_binary(bytes, Path::new(""));
+    let read = |bytes: &[u8]| parse_binary(bytes, Path::new(""), &Inputs::default());
     assert_eq!(corners(&read(&bytes).unwrap()), square());
     for n in 0..bytes.len() {
         assert!(read(&bytes[..n]).is_err(), "{n}");
@@ -241,7 +245,12 @@ fn hostile_documents_are_refused() {
         ),
     ] {
         let text = document(&format!(r#"{one} "nodes": [{{"mesh": 0}}]"#)).replacen(from, to, 1);
-        let fault = parse_text(text.as_bytes(), Path::new("/nonexistent")).unwrap_err();
+        let fault = parse_text(
+            text.as_bytes(),
+            Path::new("/nonexistent"),
+            &Inputs::default(),
+        )
+        .unwrap_err();
         assert!(fault.message.contains(message), "{to}: {fault:?}");
     }
 }

@@ -1,0 +1,147 @@
+//! What becomes of a finished part: pictures, report, words.
+
+use std::path::Path;
+
+use nephroid::{
+    film::{self, Attribute, OutputError, Provenance, Window, atomic},
+    reference,
+    render::{self, Part},
+};
+
+use super::{
+    Failure, deliver, tell,
+    values::{Format, Output},
+};
+
+/// Where the report goes as JSON.
+pub(super) enum Json<'a> {
+    StandardOutput,
+    File(&'a Path),
+}
+
+impl<'a> Json<'a> {
+    /// What was typed means this.
+    pub(super) fn of(path: &'a Path) -> Self {
+        match path.to_str() {
+            Some("-") => Self::StandardOutput,
+            _ => Self::File(path),
+        }
+    }
+}
+
+/// Finds out whether the files can be written, before any work. `checkpoints`
+/// are further ones.
+pub(super) fn probe(
+    outputs: &[Output],
+    json: Option<&Json>,
+    checkpoints: &[&Path],
+) -> Result<(), Failure> {
+    let mut paths: Vec<&Path> = outputs.iter().map(|o| o.path.as_path()).collect();
+    paths.extend(checkpoints);
+    if let Some(Json::File(path)) = json {
+        paths.push(path);
+    }
+    for (i, path) in paths.iter().enumerate() {
+        if paths[..i].contains(path) {
+            let message = format!("{} is to be written twice", path.display());
+            return Err(Failure::bad_input(message));
+        }
+        atomic::probe(path).map_err(|e| match e {
+            OutputError::Io { .. } | OutputError::Encode { .. } => Failure::fault(e),
+            _ => Failure::bad_input(e),
+        })?;
+    }
+    Ok(())
+}
+
+/// The report of a part, by whichever method.
+pub(super) struct Told {
+    words: String,
+    /// The same as JSON, or why it can't be.
+    json: Result<String, String>,
+}
+
+impl Told {
+    pub(super) fn of(part: &Part) -> Self {
+        fn both(report: &(impl std::fmt::Display + serde::Serialize)) -> Told {
+            Told {
+                words: report.to_string(),
+                json: serde_json::to_string_pretty(report).map_err(|e| e.to_string()),
+            }
+        }
+        if part.subject().is_by_photons() {
+            both(&render::Report::of(part))
+        } else {
+            both(&reference::Report::of(part))
+        }
+    }
+
+    /// Says the report and what was written.
+    pub(super) fn say<'a>(&self, written: impl IntoIterator<Item = &'a Path>) {
+        tell(self.words.trim_end());
+        for path in written {
+            tell(format_args!("wrote {}", path.display()));
+        }
+    }
+}
+
+/// Writes every file, also after one has failed: what was computed is worth
+/// more than the order of the messages. The faults, in words.
+pub(super) fn save(
+    part: &Part,
+    told: &Told,
+    outputs: &[Output],
+    json: Option<&Json>,
+) -> Vec<String> {
+    let subject = part.subject();
+    let [x, y, ..] = subject.window;
+    let window = Window {
+        full: subject.resolution,
+        origin: [x, y],
+    };
+    let mut faults: Vec<String> = Vec::new();
+    for Output { path, format } in outputs {
+        let written = match format {
+            Format::Exr => film::write_film(path, part.film(), window, &provenance(part)),
+            Format::Png => film::write_png(path, &part.film().image(), subject.exposure),
+        };
+        faults.extend(written.err().map(|e| e.to_string()));
+    }
+    if let Some(json) = json
+        && let Err(fault) = save_report(told, json)
+    {
+        faults.push(fault);
+    }
+    faults
+}
+
+/// How the picture came about.
+fn provenance(part: &Part) -> Provenance {
+    let subject = part.subject();
+    let mut further = Vec::new();
+    if !subject.is_by_photons() {
+        let name = Attribute::Text(subject.method.clone());
+        further.push(("method".to_owned(), name));
+    }
+    let first = part.runs().first().map_or(0, |run| run.start);
+    if first > 0 {
+        further.push(("firstPass".to_owned(), Attribute::Number(first as f64)));
+    }
+    Provenance {
+        scene_hash: subject.fingerprint().to_string(),
+        seed: subject.seed,
+        photons: part.photons_emitted(),
+        render_seconds: part.seconds(),
+        further,
+    }
+}
+
+fn save_report(told: &Told, json: &Json) -> Result<(), String> {
+    let text = told.json.clone()?;
+    match json {
+        Json::StandardOutput => deliver(text),
+        Json::File(path) => {
+            atomic::write_whole(path, |file| writeln!(file, "{text}")).map_err(|e| e.to_string())
+        }
+    }
+}
