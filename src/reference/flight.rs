@@ -20,10 +20,12 @@ use super::{
 };
 
 /// The most diffuse surfaces that a path meets on average, where none reflects
-/// more than `reflectance`: two, and as long as the roulette lets it go on.
+/// more than `reflectance`: two for sure, then as long as the roulette lets it
+/// go on, which goes by what two have left at first and by one after that.
 pub(super) fn mean_bounces(reflectance: f64) -> f64 {
-    let q = reflectance.min(MOST_SURVIVING);
-    f64::from(SURE_BOUNCES) + q / (1.0 - q)
+    let survives = |strength: f64| strength.min(MOST_SURVIVING);
+    let first = survives(reflectance * reflectance);
+    f64::from(SURE_BOUNCES) + first / (1.0 - survives(reflectance))
 }
 
 /// Diffuse surfaces on a path before the roulette may end it.

@@ -158,7 +158,7 @@ mod tests {
             let photons = shoot(&setup, 0, 0, paths, |_| true);
             let mean = photons.len() as f64 / paths as f64;
             let most = mean_bounces(albedo);
-            assert!(mean < 1.02 * most && mean > 0.85 * most, "{mean} {most}");
+            assert!((0.98..1.02).contains(&(mean / most)), "{mean} {most}");
             // All light lands at first: the flux of direct photons is the power.
             let direct = photons.iter().filter(|p| p.layer == Layer::Direct);
             let power: f64 = direct.map(|p| p.flux[1] / paths as f64).sum();

@@ -8,7 +8,9 @@
 //! r of what the pixel sees, counts a part of them, and shrinks the circle as if
 //! the photons lay evenly:
 //!
-//!     n' = n + a M,   r'^2 = r^2 n' / (n + M),   a = 2/3.
+//! ```text
+//! n' = n + a M,   r'^2 = r^2 n' / (n + M),   a = 2/3.
+//! ```
 //!
 //! The radius begins at the settings' number of pixel footprints where the
 //! pixel first sees a diffuse surface. The paper's sum of light,
