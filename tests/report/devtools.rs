@@ -1,4 +1,4 @@
-//! A headless Chromium and what it is told: the DevTools protocol over a pipe,
+//! A headless Chromium and what it is told: the `DevTools` protocol over a pipe,
 //! messages of JSON that end with a zero byte.
 
 use std::{
@@ -180,8 +180,7 @@ impl Browser {
         let bad = |event: &&Value| {
             let with = &event["params"];
             match event["method"].as_str().unwrap_or_default() {
-                "Runtime.exceptionThrown" | "Log.entryAdded" => true,
-                "Runtime.consoleAPICalled" => true,
+                "Runtime.exceptionThrown" | "Runtime.consoleAPICalled" | "Log.entryAdded" => true,
                 "Network.requestWillBeSent" => {
                     let url = with["request"]["url"].as_str().unwrap_or_default();
                     !url.starts_with("file:") && !url.starts_with("data:")
@@ -255,7 +254,11 @@ impl Browser {
 
     /// The reader's taste in colours, and whether the page is printed.
     pub(crate) fn taste(&mut self, scheme: &str, medium: &str) {
-        let features = json!([{"name": "prefers-color-scheme", "value": scheme}]);
+        // What scrolls by and by would be hit where it no longer is.
+        let features = json!([
+            {"name": "prefers-color-scheme", "value": scheme},
+            {"name": "prefers-reduced-motion", "value": "reduce"},
+        ]);
         let with = json!({"media": medium, "features": features});
         self.call("Emulation.setEmulatedMedia", &with);
     }

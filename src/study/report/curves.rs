@@ -176,8 +176,8 @@ impl Plot<'_> {
     fn draw_names(&self, drawing: &mut Drawing, frame: &Frame, lines: f64) {
         let mut names: Vec<(&Curve, [f64; 2])> = Vec::new();
         for curve in &self.curves {
-            let means = curve.series.points.iter().filter_map(mean);
-            let end = means.last().and_then(|[s, e]| frame.place(s, e));
+            let mut means = curve.series.points.iter().filter_map(mean);
+            let end = means.next_back().and_then(|[s, e]| frame.place(s, e));
             names.extend(end.map(|end| (curve, end)));
         }
         names.sort_by(|a, b| a.1[1].total_cmp(&b.1[1]));
@@ -212,7 +212,7 @@ impl Plot<'_> {
             let Some(first) = means.next() else {
                 continue;
             };
-            let last = means.last().unwrap_or(first);
+            let last = means.next_back().unwrap_or(first);
             let say = |[s, e]: [f64; 2]| format!("{} after {}", per_cent(e, 2), duration(s));
             words.push(format!("{}: {}, {}", curve.name, say(first), say(last)));
         }

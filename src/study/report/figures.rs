@@ -43,6 +43,7 @@ impl<'a> Figures<'a> {
     pub(super) fn new(scene: &'a SceneStudy, methods: &[&str], stem: &str) -> Self {
         let mut used = BTreeSet::new();
         let mut curves = Vec::new();
+        let mut free = methods.len();
         for (place, series) in scene.series.iter().enumerate() {
             if series.sweep.is_some() {
                 continue;
@@ -52,8 +53,8 @@ impl<'a> Figures<'a> {
                 .position(|m| *m == series.method)
                 .unwrap_or(0);
             // A second series of a method takes a look that no method has.
-            let free = (methods.len()..).find(|n| !used.contains(n)).unwrap_or(own);
             let number = if used.contains(&own) { free } else { own };
+            free += usize::from(number == free);
             used.insert(number);
             curves.push(Curve {
                 series,

@@ -121,15 +121,13 @@ fn contents(study: &Study) -> String {
 
 /// Where the numbers are, and what the table's columns mean.
 fn raw() -> String {
-    let columns: String = csv::COLUMNS
-        .iter()
-        .map(|(name, meaning)| {
-            format!(
-                "<tr><th scope=\"row\"><code>{name}</code></th><td>{}</td></tr>\n",
-                escape(meaning)
-            )
-        })
-        .collect();
+    let mut columns = String::new();
+    for (name, meaning) in csv::COLUMNS {
+        columns += &format!(
+            "<tr><th scope=\"row\"><code>{name}</code></th><td>{}</td></tr>\n",
+            escape(meaning)
+        );
+    }
     format!(
         "<h2>The numbers</h2>\n<p><a href=\"study.csv\">study.csv</a> has a line for each run, \
          <a href=\"study.json\">study.json</a> everything that this page shows.</p>\n\

@@ -56,7 +56,7 @@ impl LogScale {
             Some([low.min(log), high.max(log)])
         });
         let [low, high] = around.unwrap_or([0.0, 0.0]);
-        let middle = (low + high) / 2.0;
+        let middle = f64::midpoint(low, high);
         let half = ((high - low) / 2.0 * (1.0 + 2.0 * MARGIN)).max(SHORTEST / 2.0);
         Self {
             ends: [middle - half, middle + half],

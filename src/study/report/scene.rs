@@ -103,9 +103,10 @@ fn blind(scene: &SceneStudy) -> String {
         .iter()
         .filter(|s| !s.layers.is_empty() || !s.blind_spots.is_empty());
     let words = |s: &Series| {
-        let layers = match s.layers.is_empty() {
-            true => String::new(),
-            false => format!(" Judged by {} only.", escape(&s.layers.join(", "))),
+        let layers = if s.layers.is_empty() {
+            String::new()
+        } else {
+            format!(" Judged by {} only.", escape(&s.layers.join(", ")))
         };
         format!(
             "<li>† <b>{}</b>: {}{layers}</li>\n",
@@ -114,10 +115,10 @@ fn blind(scene: &SceneStudy) -> String {
         )
     };
     let items: String = some.map(words).collect();
-    match items.is_empty() {
-        true => String::new(),
-        false => format!("<ul class=\"notes\">\n{items}</ul>\n"),
+    if items.is_empty() {
+        return items;
     }
+    format!("<ul class=\"notes\">\n{items}</ul>\n")
 }
 
 fn noise_and_bias(figures: &Figures) -> String {

@@ -74,8 +74,12 @@ pub(super) fn draw(title: &str, curves: &[Curve], medium: Medium, room: Room) ->
     Some(drawing.finish(class, title, description))
 }
 
+/// A part of the error: its name, its value, its dashes, and whether its markers
+/// are hollow.
+type Kind = (&'static str, fn(&Split) -> f64, &'static str, bool);
+
 fn draw_parts(drawing: &mut Drawing, frame: &Frame, curve: &Curve, parts: &[(f64, Split, u32)]) {
-    let kinds: [(&str, fn(&Split) -> f64, &str, bool); 2] = [
+    let kinds: [Kind; 2] = [
         ("noise", |s| s.noise, "", false),
         ("bias", |s| s.bias, "4 3", true),
     ];

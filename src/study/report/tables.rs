@@ -96,9 +96,10 @@ pub(super) fn times(caption: &str, curves: &[Curve]) -> String {
 
 /// The sign of a series that judges some layers only.
 pub(super) fn mark(series: &Series) -> &'static str {
-    match series.layers.is_empty() {
-        true => "",
-        false => "<span class=\"mark\" title=\"only some layers were judged\">\u{a0}†</span>",
+    if series.layers.is_empty() {
+        ""
+    } else {
+        "<span class=\"mark\" title=\"only some layers were judged\">\u{a0}†</span>"
     }
 }
 

@@ -114,9 +114,10 @@ pub(super) fn per_cent(share: f64, count: usize) -> String {
 /// A level that was chosen, such as 0.3 %: as many digits as it has, up to 3.
 pub(super) fn level(share: f64) -> String {
     let text = digits(100.0 * share, 3);
-    let text = match text.contains('.') && !text.contains('·') {
-        true => text.trim_end_matches('0').trim_end_matches('.'),
-        false => &text,
+    let text = if text.contains('.') && !text.contains('·') {
+        text.trim_end_matches('0').trim_end_matches('.')
+    } else {
+        &text
     };
     format!("{text}\u{a0}%")
 }
@@ -129,8 +130,8 @@ pub(super) fn duration(seconds: f64) -> String {
         s if s < 2.0 * DAY => (seconds / HOUR, "h"),
         _ => (seconds / DAY, "d"),
     };
-    // Three digits where the second would be a ten.
-    let count = if value.abs() >= 99.5 { 3 } else { 2 };
+    // Two digits of 119 would say 120.
+    let count = if value.abs() >= 100.0 { 3 } else { 2 };
     format!("{}\u{a0}{unit}", digits(value, count))
 }
 
