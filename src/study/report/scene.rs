@@ -6,7 +6,7 @@ use super::{
     gallery::Gallery,
     palette::Medium,
     strips::{link, pictures},
-    tables::{effects, legend, times},
+    tables::{effects, legend, mark, times},
     words::{counted, duration, escape, per_cent},
 };
 use crate::study::{SceneStudy, Series, Truth, TruthKind};
@@ -96,7 +96,8 @@ fn plot(plot: &Plot, file: &str) -> String {
     )
 }
 
-/// What the methods with a dagger do not see.
+/// What methods do not see or blur; a dagger marks those that were judged by
+/// some layers only.
 fn blind(scene: &SceneStudy) -> String {
     let some = scene
         .series
@@ -109,8 +110,9 @@ fn blind(scene: &SceneStudy) -> String {
             format!(" Judged by {} only.", escape(&s.layers.join(", ")))
         };
         format!(
-            "<li>† <b>{}</b>: {}{layers}</li>\n",
+            "<li><b>{}{}</b>: {}{layers}</li>\n",
             escape(&s.label),
+            mark(s),
             escape(&s.blind_spots.join(" "))
         )
     };
