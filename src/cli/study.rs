@@ -107,8 +107,11 @@ pub(super) fn run(typed: &StudyArgs) -> Result<Exit, Failure> {
 }
 
 fn report(typed: &StudyArgs, study: &Study) -> Result<Exit, Failure> {
+    study::report::write(study, &typed.output).map_err(Failure::fault)?;
     if !typed.quiet {
         tell(table::times(study));
+        let page = typed.output.join("index.html");
+        tell(format_args!("wrote {}", page.display()));
     }
     if typed.json {
         let text = serde_json::to_string_pretty(study).map_err(Failure::fault)?;

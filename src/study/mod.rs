@@ -26,6 +26,7 @@ mod judge;
 mod machine;
 mod pictures;
 mod record;
+pub mod report;
 mod request;
 mod run;
 mod sight;
