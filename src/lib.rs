@@ -19,4 +19,5 @@ pub mod sampling;
 pub mod scene;
 pub mod spectrum;
 pub mod study;
+pub mod survey;
 pub mod transport;

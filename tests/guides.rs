@@ -98,7 +98,8 @@ fn stadium() -> Scene {
 #[test]
 fn a_small_glass_in_a_stadium() {
     let seen = |p: &Photon| near(p, DVec3::new(-0.05, -0.05, 0.0), 0.09);
-    assert_guided(&stadium(), 1000, "stadium", seen);
+    // Without guides the small glass has its floor, a hundredth of the paths.
+    assert_guided(&stadium(), 80, "stadium", seen);
 }
 
 /// Fifty rooms in a row, each with a lamp and a glass ball; the camera sees

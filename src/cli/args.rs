@@ -11,6 +11,7 @@ use nephroid::{
 
 use super::parts::{Merged, Passes, merged, passes};
 use super::study::values::{Percent, percent, sweep};
+use super::effects::{EffectChoice, effect};
 use super::values::{
     Bound, Crop, MapKind, Method, Output, bound, crop, darkest, duration, finite, index, length,
     magnification, method, metric, output, positive, region, resolution,
@@ -44,6 +45,8 @@ pub(crate) enum Command {
     Merge(MergeArgs),
     /// Check a scene file without rendering it
     Check(CheckArgs),
+    /// Tell what a scene calls for, what is left out, and why
+    Plan(PlanArgs),
     /// Measure how far pictures are from each other or from a reference
     Compare(CompareArgs),
     /// Measure what accuracy costs in time, by every method
@@ -94,6 +97,11 @@ pub(crate) struct RenderArgs {
     /// column and row of its top left pixel, then its size
     #[arg(long, value_name = "X,Y,WxH", value_parser = crop, verbatim_doc_comment)]
     pub(crate) crop: Option<Crop>,
+
+    /// Switch effects: a list such as caustics=off,indirect=auto, or `all`, which
+    /// works out even what is proved to be in vain
+    #[arg(long, value_name = "LIST", value_parser = effect, value_delimiter = ',', verbatim_doc_comment)]
+    pub(crate) effects: Vec<EffectChoice>,
 
     /// Paths per pass that start at the lights, of methods that choose their number
     /// [default: the scene's, or chosen by the program]
@@ -171,6 +179,35 @@ pub(crate) struct CheckArgs {
     pub(crate) scene: PathBuf,
 
     /// Give the verdict as JSON
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+/// What `plan` was told.
+#[derive(Args, Debug)]
+#[command(after_help = "\
+Tells of every effect whether it is simulated, why, and its share of the light
+and of the work of a pass; then where the photons of each light end, with a
+reason for every caustic that is missing. docs/effects.md explains the table.
+
+Exit codes: 0 if the scene is in order, 2 if it is not.")]
+pub(crate) struct PlanArgs {
+    /// The scene file (RON)
+    pub(crate) scene: PathBuf,
+
+    /// Size of the picture in pixels [default: the scene's]
+    #[arg(long, value_name = "WxH", value_parser = resolution)]
+    pub(crate) resolution: Option<[u32; 2]>,
+
+    /// Switch effects, as `render` does
+    #[arg(long, value_name = "LIST", value_parser = effect, value_delimiter = ',')]
+    pub(crate) effects: Vec<EffectChoice>,
+
+    /// Seed of the random numbers [default: the scene's]
+    #[arg(long, value_name = "N")]
+    pub(crate) seed: Option<u64>,
+
+    /// Give the plan as JSON
     #[arg(long)]
     pub(crate) json: bool,
 }

@@ -79,7 +79,7 @@ fn mesh(found: &MeshSummary) -> Value {
     })
 }
 
-fn not_in_order(scene: &str, mistakes: &Diagnostics) -> Value {
+pub(super) fn not_in_order(scene: &str, mistakes: &Diagnostics) -> Value {
     json!({
         "scene": scene,
         "ok": false,

@@ -1,10 +1,10 @@
 //! The command line: what was typed, what it means, and the calls it leads to.
 //!
-//! `args` and `values` hold what was typed; `render`, `merge`, `check`,
-//! `compare`, `study`, `bench` and `lens` resolve it and call the library. Words for people go to standard
+//! `args`, `values` and `effects` hold what was typed; `render`, `merge`, `check`,
+//! `plan`, `compare`, `study`, `bench` and `lens` resolve it and call the library. Words for people go to standard
 //! error, so that standard output carries only data that was asked for
-//! (`--json -`, the verdict of `check`, the table of `compare`, the object of
-//! `lens`). This is the only room that prints; it
+//! (`--json -`, the verdict of `check`, the tables of `plan` and `compare`, the
+//! object of `lens`). This is the only room that prints; it
 //! never panics because a reader went away.
 
 mod args;
@@ -12,12 +12,14 @@ mod bench;
 mod check;
 mod checkpoint;
 mod compare;
+mod effects;
 mod interrupt;
 mod lens;
 mod media;
 mod merge;
 mod outputs;
 mod parts;
+mod plan;
 mod progress;
 mod render;
 mod study;
@@ -107,6 +109,7 @@ pub(crate) fn main() -> Exit {
         args::Command::Render(typed) => render::run(typed),
         args::Command::Merge(typed) => merge::run(typed),
         args::Command::Check(typed) => check::run(typed),
+        args::Command::Plan(typed) => plan::run(typed),
         args::Command::Compare(typed) => compare::run(typed),
         args::Command::Lens(typed) => lens::run(typed),
         args::Command::Bench(typed) => bench::run(typed),

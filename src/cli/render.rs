@@ -15,6 +15,7 @@ use super::{
     Exit, Failure,
     args::RenderArgs,
     checkpoint::{self, Keeper},
+    effects::EffectChoice,
     interrupt::Interrupt,
     media::Media,
     outputs::{self, Json, Told},
@@ -94,6 +95,7 @@ fn job(typed: &RenderArgs, scene: &Scene) -> Result<Job, Failure> {
     if typed.photons.is_some() {
         settings.photons = typed.photons;
     }
+    EffectChoice::apply(&typed.effects, &mut settings);
     let resolution = typed.resolution.unwrap_or(scene.resolution);
     if let Some(crop) = typed.crop {
         check_crop(crop, resolution)?;

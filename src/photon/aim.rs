@@ -1,22 +1,18 @@
 //! Aiming a light at the specular objects of a scene.
 
-use glam::DVec3;
-
 use crate::{
-    geometry::{BoundingSphere, Ray, SurfaceId},
+    geometry::{Ray, SurfaceId},
     light::Light,
-    numeric::U,
+    plan::Lit,
     sampling::{Discrete, GUIDE_DIMENSIONS, Guide, Guided, Sequence},
     spectrum::Rgb,
     transport::Context,
 };
 
-use super::domain::{self, Start, Target};
-
-/// Largest number of parts a light's domain is divided into; more casters are
-/// grouped. A start may ask every part whether it lies there, so this bounds
-/// the work.
-const MAX_TARGETS: usize = 16;
+use super::{
+    domain::{self, Start, Target},
+    groups::{grouped, outermost},
+};
 
 /// Samples with which the power sent towards each part is estimated.
 const PILOT: u64 = 256;
@@ -59,10 +55,42 @@ pub(super) struct Launch {
 impl Aim {
     /// Aims light number `index` of the scene at the casters of the plan.
     pub(super) fn new(ctx: &Context<'_>, index: usize, pilot: Sequence) -> Self {
+        Self::at(
+            ctx,
+            index,
+            targets(ctx, index, &ctx.plan.lit[index]),
+            0,
+            pilot,
+        )
+    }
+
+    /// The same at other casters: starts that could meet those of the plan do
+    /// not count.
+    pub(super) fn beside(ctx: &Context<'_>, index: usize, other: &Lit, pilot: Sequence) -> Self {
+        let mut all = targets(ctx, index, &ctx.plan.lit[index]);
+        let first = all.len();
+        all.extend(targets(ctx, index, other));
+        Self::at(ctx, index, all, first, pilot)
+    }
+
+    /// Aims at the targets from number `first` on; those before it only claim
+    /// their starts.
+    fn at(
+        ctx: &Context<'_>,
+        index: usize,
+        targets: Vec<Target>,
+        first: usize,
+        pilot: Sequence,
+    ) -> Self {
         let named = &ctx.scene.lights[index];
-        let targets = targets(ctx, &named.light);
         let powers: Vec<f64> = (0..targets.len())
-            .map(|k| power_towards(&named.light, &targets, k, pilot))
+            .map(|k| {
+                if k < first {
+                    0.0
+                } else {
+                    power_towards(&named.light, &targets, k, pilot)
+                }
+            })
             .collect();
         Self {
             light: named.light.clone(),
@@ -216,13 +244,13 @@ fn behind_a_plane(ctx: &Context<'_>, start: &Start) -> bool {
 /// The parts of a light's domain from which casters can be reached, in the
 /// order in which they claim their starts: the small ones, which know best
 /// where their caster is, before those around them.
-fn targets(ctx: &Context<'_>, light: &Light) -> Vec<Target> {
+fn targets(ctx: &Context<'_>, index: usize, lit: &Lit) -> Vec<Target> {
+    let light = &ctx.scene.lights[index].light;
     let mut spheres = Vec::new();
     let mut unbounded = false;
-    for &i in &ctx.plan.casters {
+    for &i in ctx.plan.casters.iter().filter(|&&i| lit.contains(i)) {
         match ctx.scene.world.instance_sphere(i) {
-            Some(s) if domain::reaches(light, &s) => spheres.push(s),
-            Some(_) => {}
+            Some(s) => spheres.push(s),
             None => unbounded = true,
         }
     }
@@ -234,144 +262,4 @@ fn targets(ctx: &Context<'_>, light: &Light) -> Vec<Target> {
         out.push(Target::Whole);
     }
     out
-}
-
-/// The spheres by size, without those that lie inside another.
-fn outermost(mut spheres: Vec<BoundingSphere>) -> Vec<BoundingSphere> {
-    spheres.sort_by(|a, b| a.radius.total_cmp(&b.radius));
-    let inside = |s: &BoundingSphere, larger: &BoundingSphere| {
-        s.center.distance(larger.center) + s.radius <= larger.radius
-    };
-    (0..spheres.len())
-        .filter(|&i| !spheres[i + 1..].iter().any(|l| inside(&spheres[i], l)))
-        .map(|i| spheres[i])
-        .collect()
-}
-
-/// At most [`MAX_TARGETS`] spheres that cover the given ones. While there may
-/// be more groups, the one to which most of the light's domain leads is halved
-/// by median along its widest axis: near casters get targets of their own,
-/// distant ones share.
-fn grouped(light: &Light, mut spheres: Vec<BoundingSphere>) -> Vec<BoundingSphere> {
-    if spheres.len() <= MAX_TARGETS {
-        return spheres;
-    }
-    let Some(all) = cover(&spheres) else {
-        return spheres;
-    };
-    let mut groups = vec![(all, spheres.as_mut_slice())];
-    while groups.len() < MAX_TARGETS {
-        let size = |(sphere, members): &(BoundingSphere, &mut [BoundingSphere])| {
-            let single = members.len() < 2;
-            if single {
-                -1.0
-            } else {
-                domain::extent(light, sphere)
-            }
-        };
-        let widest = (0..groups.len())
-            .max_by(|&a, &b| size(&groups[a]).total_cmp(&size(&groups[b])))
-            .unwrap_or(0);
-        let (sphere, members) = groups.swap_remove(widest);
-        let (low, high) = halves(members);
-        match (cover(low), cover(high)) {
-            (Some(a), Some(b)) => groups.extend([(a, low), (b, high)]),
-            // Too few to halve.
-            _ => return groups.into_iter().map(|g| g.0).chain([sphere]).collect(),
-        }
-    }
-    groups.into_iter().map(|g| g.0).collect()
-}
-
-/// Halves spheres by the median of their centres along the widest axis.
-fn halves(group: &mut [BoundingSphere]) -> (&mut [BoundingSphere], &mut [BoundingSphere]) {
-    let spread = |axis: usize| {
-        let c = group.iter().map(|s| s.center[axis]);
-        c.clone().fold(f64::MIN, f64::max) - c.fold(f64::MAX, f64::min)
-    };
-    let axis = (0..3)
-        .max_by(|a, b| spread(*a).total_cmp(&spread(*b)))
-        .unwrap_or(0);
-    group.sort_by(|a, b| a.center[axis].total_cmp(&b.center[axis]));
-    group.split_at_mut(group.len() / 2)
-}
-
-/// A sphere around spheres, centred at the mean of their centres.
-fn cover(group: &[BoundingSphere]) -> Option<BoundingSphere> {
-    if group.is_empty() {
-        return None;
-    }
-    let center = group.iter().map(|s| s.center).sum::<DVec3>() / group.len() as f64;
-    let radius = group
-        .iter()
-        .map(|s| s.center.distance(center) + s.radius)
-        .fold(0.0, f64::max);
-    Some(BoundingSphere {
-        center,
-        radius: radius * (1.0 + 8.0 * U),
-    })
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::light::PointLight;
-
-    /// Sixty balls in a row, a lamp beside one of them: few groups, which
-    /// cover all, and those next to the lamp are alone in theirs.
-    #[test]
-    fn near_casters_are_targets_of_their_own() {
-        let ball = |i: u32| BoundingSphere {
-            center: DVec3::new(4.0 * f64::from(i), 0.0, 0.0),
-            radius: 0.5,
-        };
-        let spheres: Vec<_> = (0..60).map(ball).collect();
-        let lamp = Light::Point(PointLight {
-            position: DVec3::new(4.0 * 37.0, 0.0, 2.0),
-            intensity: Rgb::WHITE,
-        });
-        let groups = grouped(&lamp, spheres.clone());
-        assert_eq!(groups.len(), MAX_TARGETS);
-        for s in &spheres {
-            let covered = |g: &BoundingSphere| {
-                s.center.distance(g.center) + s.radius <= g.radius * (1.0 + 1e-12)
-            };
-            assert!(groups.iter().any(covered), "{s:?} is not covered");
-        }
-        for i in 36..39 {
-            let own = |g: &BoundingSphere| g.center == ball(i).center && g.radius < 0.51;
-            assert!(groups.iter().any(own), "ball {i} shares its group");
-        }
-        // Twins cannot be parted, whatever their number.
-        let twins = vec![ball(0); 40];
-        assert!(grouped(&lamp, twins).len() <= MAX_TARGETS);
-    }
-
-    /// Ten balls in a row, each with a smaller one inside it, and a twin: the
-    /// large ones remain, once each, the smallest first.
-    #[test]
-    fn balls_inside_others_are_no_targets() {
-        let ball = |x: f64, radius| BoundingSphere {
-            center: DVec3::new(x, 0.0, 0.0),
-            radius,
-        };
-        let mut spheres = Vec::new();
-        for i in (0..10).rev() {
-            let x = f64::from(i);
-            let radius = 0.5 + 0.1 * x;
-            spheres.extend([
-                ball(4.0 * x, radius),
-                ball(4.0 * x + 0.2, radius - 0.25),
-                ball(4.0 * x, radius),
-            ]);
-        }
-        let left = outermost(spheres);
-        let expected: Vec<_> = (0..10)
-            .map(f64::from)
-            .map(|x| ball(4.0 * x, 0.5 + 0.1 * x))
-            .collect();
-        assert_eq!(left, expected);
-        // One that only reaches out of another stays.
-        assert_eq!(outermost(vec![ball(0.0, 1.0), ball(0.8, 0.3)]).len(), 2);
-    }
 }

@@ -30,7 +30,7 @@ use crate::{
 use super::emit::disc_area;
 use region::{Cone, Section, UNBOUNDED, aimed, cap, cap_area, density, directions};
 
-pub(super) use region::{Target, contains, extent, reaches};
+pub(super) use region::{Target, contains, extent};
 
 /// A point of an emission domain.
 #[derive(Clone, Copy, Debug)]

@@ -7,7 +7,7 @@ use glam::DVec3;
 use crate::{
     geometry::Ray,
     plan::Media,
-    sampling::{Discrete, Purpose, Sequence, Stream},
+    sampling::{Discrete, Guide, Purpose, Sequence, Stream},
     spectrum::Rgb,
     transport::{Context, Differential},
 };
@@ -21,6 +21,12 @@ pub(super) const DIMENSIONS: u32 = 6;
 
 /// The coordinate that chooses a target.
 const TARGET: u32 = 5;
+
+/// Least part of all paths that goes to each target of each light, however
+/// little comes of it in a pilot: what is seen seldom must not be seen with a
+/// weight of thousands. All these floors together are at most the second number.
+const FLOOR: f64 = 0.01;
+const FLOORS: f64 = 0.1;
 
 /// The start of a photon path.
 #[derive(Clone, Copy, Debug)]
@@ -61,8 +67,44 @@ impl Emitter {
             .enumerate()
             .map(|(i, _)| Aim::new(ctx, i, Sequence::new(0, Purpose::Pilot, 0, i as u64)))
             .collect();
+        let powers = aims.iter().map(|a| a.powers().to_vec()).collect();
+        Self::with_parts(&aims, powers, Vec::new())
+    }
+
+    /// Aims every light at what the plan proves to be in vain, and at nothing
+    /// that [`Emitter::new`] aims at: whoever forces caustics on gets these
+    /// photons, too. `None` if there is nothing of that kind.
+    pub fn in_vain(ctx: &Context<'_>) -> Option<Self> {
+        let unlit = ctx.plan.unlit();
+        let aims: Vec<Aim> = unlit
+            .iter()
+            .enumerate()
+            .map(|(i, unlit)| {
+                let pilot = Sequence::new(0, Purpose::Pilot, 0, i as u64);
+                Aim::beside(ctx, i, unlit, pilot)
+            })
+            .collect();
         let powers: Vec<f64> = aims.iter().map(Aim::power_estimate).collect();
         Self::of(aims, &powers)
+    }
+
+    /// Lights with the parts of the paths that go to each of their targets, in
+    /// any unit, and what was learned about these. Parts below the floor are
+    /// raised to it.
+    pub(super) fn with_parts(
+        aims: &[Aim],
+        mut parts: Vec<Vec<f64>>,
+        guides: Vec<Vec<Option<Guide>>>,
+    ) -> Option<Self> {
+        raise(&mut parts);
+        let shares: Vec<f64> = parts.iter().map(|p| p.iter().sum()).collect();
+        let mut guides = guides.into_iter();
+        let aims = aims
+            .iter()
+            .zip(&parts)
+            .map(|(aim, parts)| aim.taught(parts, guides.next().unwrap_or_default()))
+            .collect();
+        Self::of(aims, &shares)
     }
 
     /// Lights with their shares of the paths; `None` if all are zero.
@@ -143,7 +185,56 @@ impl Emitter {
     }
 }
 
+/// Raises the parts of a whole that are below the floor to it.
+fn raise(parts: &mut [Vec<f64>]) {
+    let count = parts.iter().map(Vec::len).sum::<usize>();
+    let sum: f64 = parts.iter().flatten().sum();
+    if count < 2 || !(sum > 0.0 && sum.is_finite()) {
+        return;
+    }
+    let floor = FLOOR.min(FLOORS / count as f64);
+    // All others together are at most the whole, so a raised part is still
+    // `floor` of the new sum.
+    let least = sum * floor / (1.0 - floor * (count - 1) as f64);
+    for part in parts.iter_mut().flatten() {
+        *part = part.max(least);
+    }
+}
+
 /// Area of a disc.
 pub(super) fn disc_area(radius: f64) -> f64 {
     PI * radius * radius
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Every part is at least the floor, or its share of a tenth where there are
+    /// many; single ones and those above the floor keep their proportions.
+    #[test]
+    fn no_part_falls_below_the_floor() {
+        for parts in [
+            vec![vec![1e-9, 5.0], vec![], vec![2.0]],
+            vec![vec![0.0; 40], vec![1e6; 10]],
+            vec![vec![0.0, 0.0, 1.0]],
+            vec![vec![3.0]],
+            vec![vec![1.0; 200], vec![0.0]],
+        ] {
+            let mut raised = parts.clone();
+            raise(&mut raised);
+            let count = parts.iter().map(Vec::len).sum::<usize>();
+            let floor = 0.01f64.min(0.1 / count as f64);
+            let sum: f64 = raised.iter().flatten().sum();
+            let total: f64 = parts.iter().flatten().sum();
+            for (was, is) in parts.iter().flatten().zip(raised.iter().flatten()) {
+                assert!(
+                    *is / sum >= floor * (1.0 - 1e-12),
+                    "{parts:?}: {is} of {sum}"
+                );
+                assert!(was / total <= floor * 1.2 || was == is, "{parts:?}");
+            }
+            assert!(sum <= total * 1.12, "{parts:?}: {sum}");
+        }
+    }
 }

@@ -133,7 +133,7 @@ impl Rehearsal {
 
 impl Emitter {
     /// The same guides, with every target's share halfway to that of others.
-    fn levelled(&self) -> Option<Self> {
+    pub(super) fn levelled(&self) -> Option<Self> {
         let targets: usize = self.aims().iter().map(|a| a.powers().len()).sum();
         let (mut aims, mut shares) = (Vec::new(), Vec::new());
         for (i, aim) in self.aims().iter().enumerate() {
@@ -182,7 +182,7 @@ impl Emitter {
             return None;
         }
         let power: f64 = self.aims().iter().map(Aim::power_estimate).sum();
-        let (mut aims, mut shares) = (Vec::new(), Vec::new());
+        let (mut all_parts, mut all_guides) = (Vec::new(), Vec::new());
         for (aim, found) in self.aims().iter().zip(&found) {
             let share = |(samples, own): (&Vec<Weighed>, &f64)| {
                 let scores: f64 = samples.iter().map(|s| s.weight).sum();
@@ -197,9 +197,9 @@ impl Emitter {
                     Guide::learn(samples, aim.dimensions(), cells as usize)
                 })
                 .collect();
-            shares.push(parts.iter().sum());
-            aims.push(aim.taught(&parts, guides));
+            all_parts.push(parts);
+            all_guides.push(guides);
         }
-        Self::of(aims, &shares)
+        Self::with_parts(self.aims(), all_parts, all_guides)
     }
 }

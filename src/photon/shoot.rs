@@ -23,6 +23,27 @@ pub struct Shot {
     pub tally: Tally,
 }
 
+impl Shot {
+    /// Adds paths that start elsewhere: each set stands for the light of its own
+    /// starts, so its photons count by its own number of paths.
+    pub fn join(&mut self, other: &Self) {
+        let emitted = if self.emitted == 0 {
+            other.emitted
+        } else {
+            self.emitted
+        };
+        let weight = emitted as f64 / other.emitted as f64;
+        self.photons.extend(other.photons.iter().map(|p| Photon {
+            flux: p.flux * weight,
+            ..*p
+        }));
+        self.emitted = emitted;
+        for (a, b) in self.tally.lights.iter_mut().zip(&other.tally.lights) {
+            *a += b.scaled(weight);
+        }
+    }
+}
+
 /// Traces paths `first .. first + count` of a sequence.
 pub fn shoot(
     ctx: &Context<'_>,

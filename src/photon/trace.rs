@@ -47,6 +47,30 @@ const ROULETTE_BELOW: f64 = 0.25;
 /// for a lobe, and one for the roulette.
 const DIMENSIONS_PER_STEP: u32 = 3;
 
+/// A surface that a photon has met.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Step {
+    /// The object.
+    pub instance: u32,
+    /// How many surfaces the photon had met before.
+    pub depth: u32,
+    /// What became of it there.
+    pub turn: Turn,
+    /// Whether it came from behind the surface.
+    pub behind: bool,
+}
+
+/// What a surface does with a photon.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Turn {
+    /// It goes on as before.
+    Straight,
+    /// A specular surface reflects or refracts it.
+    Bent,
+    /// A surface that is not specular ends its way, or a leg of it.
+    Ended,
+}
+
 /// Follows a photon, one of `paths`; what becomes of its flux goes into
 /// `tally`, what it leaves behind to `store`.
 pub fn trace(
@@ -57,10 +81,23 @@ pub fn trace(
     tally: &mut LightTally,
     store: &mut impl FnMut(Photon),
 ) {
+    trace_watched(ctx, emission, paths, stream, tally, &mut |_| {}, store);
+}
+
+/// [`trace`] for someone who wants to know the surfaces met on the way.
+pub(super) fn trace_watched(
+    ctx: &Context<'_>,
+    emission: &Emission,
+    paths: f64,
+    stream: &mut Stream,
+    tally: &mut LightTally,
+    watch: &mut impl FnMut(Step),
+    store: &mut impl FnMut(Photon),
+) {
     if ctx.plan.nest.is_some() {
-        trace_in::<true>(ctx, emission, paths, stream, tally, store);
+        trace_in::<true>(ctx, emission, paths, stream, tally, watch, store);
     } else {
-        trace_in::<false>(ctx, emission, paths, stream, tally, store);
+        trace_in::<false>(ctx, emission, paths, stream, tally, watch, store);
     }
 }
 
@@ -72,6 +109,7 @@ fn trace_in<const NESTED: bool>(
     paths: f64,
     stream: &mut Stream,
     tally: &mut LightTally,
+    watch: &mut impl FnMut(Step),
     store: &mut impl FnMut(Photon),
 ) {
     let mut flux = emission.flux;
@@ -98,6 +136,12 @@ fn trace_in<const NESTED: bool>(
         if depth == 0 {
             tally.landed_paths += 1;
         }
+        let step = Step {
+            instance: hit.surface.instance,
+            depth,
+            turn: Turn::Ended,
+            behind: point.ng.dot(ray.dir) > 0.0,
+        };
         stream.seek(emit::DIMENSIONS + DIMENSIONS_PER_STEP * depth);
         let (direction, q) = if let Some(ways) = Ways::at(&material, &point, ray.dir) {
             if depth == ctx.max_depth {
@@ -106,6 +150,14 @@ fn trace_in<const NESTED: bool>(
             let lobe = ways.choose(ray.dir, Carried::Flux, || stream.next_1d());
             flux = scatter(flux, &lobe, tally);
             bent |= lobe.is_bent();
+            watch(Step {
+                turn: if lobe.is_bent() {
+                    Turn::Bent
+                } else {
+                    Turn::Straight
+                },
+                ..step
+            });
             differential.chance *= lobe.share;
             if lobe.is_bent() {
                 let turning = ctx.scene.world.turning(&hit, &point);
@@ -116,6 +168,7 @@ fn trace_in<const NESTED: bool>(
             // mirrors absorb.
             (lobe.dir, (flux.max() / weak).max(f64::MIN_POSITIVE))
         } else {
+            watch(step);
             let Some(landed) = land(&material, &point, ray.dir, flux, bent || bounced, tally)
             else {
                 return;

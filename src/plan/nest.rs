@@ -71,9 +71,15 @@ impl Nest {
 
     /// Whether any two bodies may overlap: their boxes do, and their spheres.
     pub fn may_overlap(&self, world: &World) -> bool {
-        let mut found = false;
-        self.pairs(world, |_, _| {
-            found = true;
+        self.first_overlap(world).is_some()
+    }
+
+    /// Two bodies that may overlap, in the order of the scene.
+    pub fn first_overlap(&self, world: &World) -> Option<[u32; 2]> {
+        let mut found = None;
+        self.pairs(world, |a, b| {
+            let (a, b) = (a.instance, b.instance);
+            found = Some([a.min(b), a.max(b)]);
             false
         });
         found

@@ -48,7 +48,7 @@ fn at(center: glam::DVec3) -> BoundingSphere {
 
 /// A sphere around all points from which a light's photons start; `None` for
 /// a sun, whose photons start before everything.
-fn extent(scene: &Scene, light: &NamedLight) -> Option<BoundingSphere> {
+pub fn extent(scene: &Scene, light: &NamedLight) -> Option<BoundingSphere> {
     match &light.light {
         Light::Point(l) => Some(at(l.position)),
         Light::Spot(l) => Some(at(l.position)),

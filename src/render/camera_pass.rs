@@ -146,11 +146,12 @@ impl Renderer<'_> {
     /// Pixels in which sources may glint: those of the window and of what is
     /// sampled around it.
     pub(super) fn find_glints(&self) -> Vec<bool> {
+        if !self.plan().glints {
+            return Vec::new();
+        }
         let window = self.window().grown(self.resolution);
-        let Some(glints) = Glints::new(self.scene) else {
-            return vec![false; window.width as usize * window.height as usize];
-        };
-        let mut gather = self.gatherer(None, 0);
+        let glints = Glints::new(self.scene);
+        let mut gather = self.scout(None);
         gather.ctx.max_depth = gather.ctx.max_depth.min(glints::PILOT_DEPTH);
         let (found, _) = window.map(
             || (),
@@ -169,10 +170,10 @@ impl Renderer<'_> {
         let seed = self.settings.seed;
         let map = self.emitter().map(|emitter| {
             let photons = Sequence::new(seed, Purpose::Pilot, 6, 0);
-            let shot = shoot(&self.context(), emitter, photons, 0, PILOT_PHOTONS);
+            let shot = shoot(&self.called_for(), emitter, photons, 0, PILOT_PHOTONS);
             self.map(&shot, 0)
         });
-        let gather = self.gatherer(map.as_ref(), 0);
+        let gather = self.scout(map.as_ref());
         let places = Sequence::new(seed, Purpose::Pilot, 7, 0);
         let [width, height] = self.resolution;
         let found: Vec<(Vec<f64>, CameraTally)> = (0..PILOT_PLACES)
@@ -256,7 +257,7 @@ impl Renderer<'_> {
                         *layer = *layer / f64::from(n + 1);
                     }
                 }
-                if self.glinting[i] {
+                if self.glinting.get(i) == Some(&true) {
                     sample[Layer::Emission] =
                         self.glints(gather, round, replicate, [px, py], tally);
                 }

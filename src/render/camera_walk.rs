@@ -141,7 +141,7 @@ impl<'a> Gather<'a> {
     }
 
     /// What a walk sees of a source at its end.
-    fn source(&self, walker: &Walker, end: &End) -> Rgb {
+    pub(super) fn source(&self, walker: &Walker, end: &End) -> Rgb {
         let lights = &self.ctx.scene.lights;
         let radiance = match end {
             End::Escaped => {
@@ -162,8 +162,15 @@ impl<'a> Gather<'a> {
         walker.throughput * radiance
     }
 
+    /// Shadow rays at the end of a walk from the eye.
+    pub(super) fn shadow_rays(&self, walker: &Walker) -> u32 {
+        let [least, most] = SHADOW_RAYS;
+        let rays = self.ctx.scene.lights.len().clamp(least, most) as f64;
+        (rays * walker.strength).ceil() as u32
+    }
+
     /// What a walk from the eye sees at a diffuse point, end `k` of its sample.
-    fn shade(
+    pub(super) fn shade(
         &self,
         walker: &Walker,
         at: &DiffusePoint,
@@ -178,9 +185,7 @@ impl<'a> Gather<'a> {
         let width = self.footprint.width + self.footprint.spread * walker.length;
         let [caustic, bounced] = self.gathered(at, width, true, &mut here, vicinity, tally);
         sample[Layer::Caustic] += walker.throughput * caustic;
-        let [least, most] = SHADOW_RAYS;
-        let rays = self.ctx.scene.lights.len().clamp(least, most) as f64;
-        let rays = (rays * walker.strength).ceil() as u32;
+        let rays = self.shadow_rays(walker);
         tally.rays += u64::from(rays);
         let direct = direct_light(&self.ctx, at, &mut here, rays);
         sample[Layer::Direct] += walker.throughput * direct;
@@ -196,8 +201,10 @@ impl<'a> Gather<'a> {
                 ..*walker
             };
             let mut beyond = coordinates::path(stream, k);
+            let before = *tally;
             sample[Layer::Indirect] +=
                 self.indirect(path, *at, bounce, &mut beyond, vicinity, tally);
+            tally.beyond += tally.work_since(&before);
         }
         sample
     }
@@ -216,6 +223,7 @@ impl<'a> Gather<'a> {
         tally: &mut CameraTally,
     ) -> [Rgb; 2] {
         let Some(vicinity) = vicinity else {
+            stream.skip();
             return [Rgb::BLACK; 2];
         };
         let unit = self.scale * width;

@@ -213,6 +213,7 @@ impl Report {
             accepted: totals.accepted,
             photons_per_pass: subject.photons_per_pass,
             radius: [scale(first_pass), scale(last_pass)],
+            effects: subject.effects.clone(),
             indirect: subject.indirect,
             caustics: subject.caustics,
             max_depth: subject.max_depth,

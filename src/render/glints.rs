@@ -48,9 +48,8 @@ pub(super) struct Glints {
 }
 
 impl Glints {
-    /// The sources of a scene that can be seen; `None` if there are none, or
-    /// nothing to see them in.
-    pub(super) fn new(scene: &Scene) -> Option<Self> {
+    /// The sources of a scene that can be seen.
+    pub(super) fn new(scene: &Scene) -> Self {
         let mut glints = Self {
             spheres: Vec::new(),
             suns: Vec::new(),
@@ -66,9 +65,7 @@ impl Glints {
                 glints.spheres.push((s.center, NEAR * s.radius));
             }
         }
-        let specular = scene.objects.iter().any(|o| o.material.is_specular());
-        let any = !glints.spheres.is_empty() || !glints.suns.is_empty();
-        (specular && any).then_some(glints)
+        glints
     }
 
     /// Whether the last leg of a walk passes near a source. Only walks by way

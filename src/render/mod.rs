@@ -12,6 +12,7 @@ mod coordinates;
 mod driver;
 mod glints;
 mod importance;
+mod inspect;
 mod memory;
 mod part;
 mod pass;
@@ -26,6 +27,7 @@ mod view;
 
 pub use checkpoint::{CheckpointFault, SaveError};
 pub use driver::{Job, Outcome, Progress, go_on, run};
+pub(crate) use inspect::{Effort, Sight};
 pub use memory::TooLarge;
 pub(crate) use memory::{film_bytes, mebibytes};
 pub use part::{MergeFault, Part};

@@ -8,7 +8,7 @@ use crate::{
     photon::{Emitter, PhotonMap, Shot, Tally, shoot},
     plan::Plan,
     sampling::{Purpose, Sequence},
-    scene::{Kernel, Sampler, Scene, Settings},
+    scene::{Choice, Effect, Kernel, Sampler, Scene, Settings},
     transport::{Context, LightPicker},
 };
 
@@ -40,6 +40,7 @@ pub struct Renderer<'a> {
     pub(super) scene: &'a Scene,
     pub(super) settings: Settings,
     plan: Plan,
+    forced: Option<Forced>,
     picker: LightPicker,
     emitters: Option<Epochs>,
     schedule: Schedule,
@@ -47,9 +48,17 @@ pub struct Renderer<'a> {
     pub(super) camera: crate::camera::Camera,
     pub(super) crop: [u32; 4],
     pub(super) photons: u64,
-    /// Per pixel of the window and around it: whether sources may glint there.
+    /// Per pixel of the window and around it: whether sources may glint there;
+    /// nothing where none can.
     pub(super) glinting: Vec<bool>,
     pub(super) refinement: Refinement,
+}
+
+/// What runs although it is in vain, because the user says so. What is decided
+/// about the work is decided without it, so that it changes no bit.
+struct Forced {
+    plan: Plan,
+    emitter: Option<Emitter>,
 }
 
 /// What a pass delivers.
@@ -95,9 +104,16 @@ impl<'a> Renderer<'a> {
             max_depth: settings.max_depth,
         };
         let emitters = Emitter::new(&ctx).map(Epochs::new);
+        let forced = plan.forced(scene, settings).map(|plan| {
+            let ctx = Context { plan: &plan, ..ctx };
+            let wanted = settings.choice(Effect::Caustics) == Choice::On;
+            let emitter = wanted.then(|| Emitter::in_vain(&ctx)).flatten();
+            Forced { plan, emitter }
+        });
         let mut renderer = Self {
             scene,
             settings: settings.clone(),
+            forced,
             picker,
             emitters,
             schedule: Schedule::new(settings.radius),
@@ -119,7 +135,7 @@ impl<'a> Renderer<'a> {
 
     /// What is simulated.
     pub fn plan(&self) -> &Plan {
-        &self.plan
+        self.forced.as_ref().map_or(&self.plan, |f| &f.plan)
     }
 
     /// How photons are launched before anything is learned about the picture;
@@ -133,7 +149,7 @@ impl<'a> Renderer<'a> {
     pub fn emitter_of(&self, round: u32) -> Option<&Emitter> {
         let pilot = Pilot {
             // Whichever round of an epoch asks first.
-            gather: self.gatherer(None, 0),
+            gather: self.scout(None),
             camera: &self.camera,
             resolution: self.resolution,
             seed: self.settings.seed,
@@ -156,6 +172,14 @@ impl<'a> Renderer<'a> {
 
     /// What paths of this render may look at.
     pub fn context(&self) -> Context<'_> {
+        Context {
+            plan: self.plan(),
+            ..self.called_for()
+        }
+    }
+
+    /// The same without what is forced: what pilots look at.
+    pub(super) fn called_for(&self) -> Context<'_> {
         Context {
             scene: self.scene,
             plan: &self.plan,
@@ -198,19 +222,23 @@ impl<'a> Renderer<'a> {
 
     /// The photon half of a pass.
     pub fn shoot(&self, round: u32, replicate: u32) -> Shot {
-        let Some(emitter) = self.emitter_of(round) else {
-            return Shot {
+        let sequence = |k| self.sequence(Purpose::Photon, replicate, k);
+        let ctx = self.context();
+        let mut shot = match self.emitter_of(round) {
+            Some(emitter) => {
+                let first = u64::from(round) * self.photons;
+                shoot(&ctx, emitter, sequence(0), first, self.photons)
+            }
+            None => Shot {
                 tally: Tally::new(self.scene.lights.len()),
                 ..Shot::default()
-            };
+            },
         };
-        let mut shot = shoot(
-            &self.context(),
-            emitter,
-            self.sequence(Purpose::Photon, replicate, 0),
-            u64::from(round) * self.photons,
-            self.photons,
-        );
+        if let Some(emitter) = self.forced.as_ref().and_then(|f| f.emitter.as_ref()) {
+            let first = u64::from(round) * FEWEST_PHOTONS;
+            let vain = shoot(&ctx, emitter, sequence(1), first, FEWEST_PHOTONS);
+            shot.join(&vain);
+        }
         if self.settings.kernel == Kernel::Circle {
             for photon in &mut shot.photons {
                 photon.footprint = None;
@@ -255,10 +283,10 @@ impl<'a> Renderer<'a> {
         let seed = self.settings.seed;
         let maps = [2, 3].map(|replicate| {
             let photons = Sequence::new(seed, Purpose::Pilot, replicate, 0);
-            let shot = shoot(&self.context(), emitter, photons, 0, PILOT_PHOTONS);
+            let shot = shoot(&self.called_for(), emitter, photons, 0, PILOT_PHOTONS);
             self.map(&shot, 0)
         });
-        let gathers = [0, 1].map(|k| self.gatherer(Some(&maps[k]), 0));
+        let gathers = [0, 1].map(|k| self.scout(Some(&maps[k])));
         let pixels = Sequence::new(seed, Purpose::Pilot, 4, 0);
         let [width, height] = self.resolution;
         let probe = |i: u64| {
@@ -289,6 +317,14 @@ impl<'a> Renderer<'a> {
         let work = tally.work(3 * PILOT_PIXELS);
         let all = u64::from(width) * u64::from(height);
         Survey::new(&probes, PILOT_PHOTONS, work, all)
+    }
+
+    /// What camera samples of a pilot may ask.
+    pub(super) fn scout<'b>(&'b self, map: Option<&'b PhotonMap>) -> Gather<'b> {
+        Gather {
+            ctx: self.called_for(),
+            ..self.gatherer(map, 0)
+        }
     }
 
     /// What camera samples of a round may ask.

@@ -53,6 +53,8 @@ pub struct Report {
     pub photons_per_pass: u64,
     /// Kernel radius of the first and the last round, in pixel footprints.
     pub radius: [f64; 2],
+    /// Names of the effects that were simulated.
+    pub effects: Vec<String>,
     /// Whether light between diffuse surfaces was simulated.
     pub indirect: bool,
     /// Whether caustic photons were traced.

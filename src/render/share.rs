@@ -14,7 +14,7 @@ const QUERY: f64 = 1.5;
 const VISIT: f64 = 0.1;
 
 /// Cost of a photon path, with its place in the map, in rays cast.
-const PATH: f64 = 7.0;
+pub(super) const PATH: f64 = 7.0;
 
 /// Part of the pilot's samples, those with the largest values, that is left
 /// out of each mean: a rare bright path must not decide for the rest.

@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::{Job, Renderer};
 use crate::{
-    plan::film_quantum,
+    plan::{film_quantum, judge},
     sampling::{Purpose, Sequence},
     scene::{self, Digest, Input, Kernel, Sampler, Scene, Settings},
     spectrum::Rgb,
@@ -54,6 +54,10 @@ pub struct Subject {
     pub sampler: Sampler,
     /// The area over which a photon's light is spread.
     pub kernel: Kernel,
+    /// What was said about effects.
+    pub effects_wanted: String,
+    /// Names of the effects that are simulated; none for a reference method.
+    pub effects: Vec<String>,
     /// Whether light between diffuse surfaces was asked for.
     pub indirect_wanted: bool,
     /// Whether it was simulated.
@@ -85,6 +89,11 @@ impl Subject {
         };
         Self {
             photons_per_pass: renderer.photons(),
+            effects: judge(scene, &job.settings)
+                .iter()
+                .filter(|verdict| verdict.on)
+                .map(|verdict| verdict.effect.name().to_owned())
+                .collect(),
             indirect: renderer.plan().indirect,
             caustics: renderer.emitter().is_some(),
             lights: scene.lights.iter().enumerate().map(light).collect(),
@@ -105,6 +114,7 @@ impl Subject {
             sampler,
             kernel,
             indirect,
+            effects,
             max_depth,
             exposure,
         } = job.settings;
@@ -120,6 +130,8 @@ impl Subject {
             radius,
             sampler,
             kernel,
+            effects_wanted: effects.to_string(),
+            effects: Vec::new(),
             indirect_wanted: indirect,
             indirect: false,
             caustics: false,
@@ -180,6 +192,10 @@ impl Subject {
             .or_else(|| {
                 let [there, here] = [self.indirect_wanted, wanted.indirect_wanted];
                 pair("the setting `indirect`", &there, &here)
+            })
+            .or_else(|| {
+                let what = "the list of effects";
+                pair(what, &self.effects_wanted, &wanted.effects_wanted)
             })
             .or_else(|| pair("the depth limit", &self.max_depth, &wanted.max_depth))
             .or_else(|| {
@@ -242,6 +258,8 @@ mod tests {
             radius: 2.0,
             sampler: Sampler::Sobol,
             kernel: Kernel::Footprint,
+            effects_wanted: "auto".to_owned(),
+            effects: vec!["caustics".to_owned()],
             indirect_wanted: true,
             indirect: true,
             caustics: true,
@@ -266,7 +284,7 @@ mod tests {
     #[test]
     fn every_difference_is_named() {
         type Change = fn(&mut Subject);
-        let changes: [(Change, &str); 18] = [
+        let changes: [(Change, &str); 19] = [
             (
                 |s| s.version.push('2'),
                 "version of nephroid is 1 there and 12 here",
@@ -308,6 +326,10 @@ mod tests {
             (
                 |s| s.indirect_wanted = false,
                 "`indirect` is true there and false here",
+            ),
+            (
+                |s| s.effects_wanted = "glints=off".to_owned(),
+                "list of effects is auto there and glints=off here",
             ),
             (|s| s.max_depth = 65, "depth limit is 64 there and 65 here"),
             (

@@ -136,6 +136,16 @@ impl Stream {
         }
     }
 
+    /// Passes over the next coordinate: nobody asks for it, but those behind it
+    /// keep their meaning.
+    #[inline]
+    pub fn skip(&mut self) {
+        if self.dimension == self.window[0] {
+            *self = self.window(self.window[1]..u32::MAX, u32::MAX);
+        }
+        self.dimension += 1;
+    }
+
     /// The next two coordinates.
     #[inline]
     pub fn next_2d(&mut self) -> [f64; 2] {

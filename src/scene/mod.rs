@@ -16,6 +16,7 @@ mod build;
 mod decode;
 pub mod description;
 pub mod diagnostics;
+mod effect;
 pub mod generate;
 pub mod image_file;
 mod input;
@@ -37,6 +38,7 @@ mod summary;
 mod vocabulary;
 
 pub use diagnostics::{Diagnostic, Diagnostics, Place};
+pub use effect::{Choice, Choices, Effect, Switch};
 pub use input::{Digest, Input, Inputs, fingerprint};
 pub use load::{MAX_SCENE_BYTES, load, load_str, load_watched};
 pub use scene::{NamedLight, Object, Scene};

@@ -2,6 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::effect::{Choice, Choices, Effect};
+
 /// The points at which a render looks: what low discrepancy buys can be seen
 /// by doing without.
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize, PartialEq, Eq)]
@@ -45,6 +47,8 @@ pub struct Settings {
     pub kernel: Kernel,
     /// Whether light between diffuse surfaces is simulated.
     pub indirect: bool,
+    /// What the user says about effects; see [`Settings::choice`].
+    pub effects: Choices,
     /// Longest chain of surface interactions of a photon or camera path.
     pub max_depth: u32,
     /// Memory that the film and the photons of a pass may take together, in
@@ -65,9 +69,22 @@ impl Default for Settings {
             sampler: Sampler::default(),
             kernel: Kernel::default(),
             indirect: true,
+            effects: Choices::default(),
             max_depth: 64,
             memory: 8 << 30,
             exposure: None,
+        }
+    }
+}
+
+impl Settings {
+    /// What the user says about an effect; `indirect: false` is one way to
+    /// leave indirect light out.
+    pub fn choice(&self, effect: Effect) -> Choice {
+        if effect == Effect::Indirect && !self.indirect {
+            Choice::Off
+        } else {
+            self.effects.of(effect)
         }
     }
 }

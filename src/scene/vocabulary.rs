@@ -63,6 +63,7 @@ pub(super) fn expectation(field: &str) -> Option<&'static str> {
             "a whole number, at least 1"
         }
         "seed" => "a whole number",
+        "effects" => "effects by name, each `Auto`, `Off` or `On`: `(caustics: Off)`",
         "memory" => "a number of bytes, or a text such as \"512 MiB\"",
         _ => return None,
     })

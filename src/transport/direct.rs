@@ -88,8 +88,39 @@ impl LightPicker {
 /// lights where there are few, and go to lights picked by power where there
 /// are many. Lights without extent need only one ray each.
 pub fn direct_light(ctx: &Context<'_>, at: &DiffusePoint, stream: &mut Stream, rays: u32) -> Rgb {
-    let lights = ctx.scene.lights.len();
     let mut sum = Rgb::BLACK;
+    each_light(ctx, at, stream, rays, |_, light, _| sum += light);
+    sum
+}
+
+/// The same by kind, and the shadow rays of each: first of lights without
+/// extent, whose shadows are hard, then of those with.
+pub fn direct_by_extent(
+    ctx: &Context<'_>,
+    at: &DiffusePoint,
+    stream: &mut Stream,
+    rays: u32,
+) -> [(Rgb, u32); 2] {
+    let mut sums = [(Rgb::BLACK, 0); 2];
+    each_light(ctx, at, stream, rays, |i, light, rays| {
+        let soft = ctx.scene.lights[i].light.has_extent();
+        let sum = &mut sums[usize::from(soft)];
+        sum.0 += light;
+        sum.1 += rays;
+    });
+    sums
+}
+
+/// Calls `add` with a light, what it sends and the shadow rays that it took.
+#[inline]
+fn each_light(
+    ctx: &Context<'_>,
+    at: &DiffusePoint,
+    stream: &mut Stream,
+    rays: u32,
+    mut add: impl FnMut(usize, Rgb, u32),
+) {
+    let lights = ctx.scene.lights.len();
     if lights <= rays as usize {
         let share = rays / lights.max(1) as u32;
         for (i, light) in ctx.scene.lights.iter().enumerate() {
@@ -98,7 +129,7 @@ pub fn direct_light(ctx: &Context<'_>, at: &DiffusePoint, stream: &mut Stream, r
             for _ in 0..count {
                 one += from_light(ctx, at, i, stream.next_2d());
             }
-            sum += one / f64::from(count);
+            add(i, one / f64::from(count), count);
         }
     } else if let Some(table) = &ctx.picker.by_power {
         let u = stream.next_1d();
@@ -106,10 +137,9 @@ pub fn direct_light(ctx: &Context<'_>, at: &DiffusePoint, stream: &mut Stream, r
             // One stratum of the table for each ray.
             let (i, _) = table.sample((f64::from(k) + u) / f64::from(rays));
             let weight = 1.0 / (table.probability(i) * f64::from(rays));
-            sum += from_light(ctx, at, i, stream.next_2d()) * weight;
+            add(i, from_light(ctx, at, i, stream.next_2d()) * weight, 1);
         }
     }
-    sum
 }
 
 /// Reflected radiance of one source.

@@ -3,6 +3,7 @@
 mod bench;
 mod check;
 mod lens;
+mod plan;
 mod render;
 mod study;
 

@@ -11,7 +11,7 @@ use nephroid::{
     geometry::Transform,
     light::Light,
     material::Material,
-    scene::{Kernel, Sampler, Scene, Settings, load, load_str},
+    scene::{Choice, Choices, Effect, Kernel, Sampler, Scene, Settings, load, load_str},
     spectrum::Rgb,
 };
 
@@ -85,10 +85,12 @@ fn the_documentation_names_every_setting_with_its_default() {
         sampler,
         kernel,
         indirect,
+        effects,
         max_depth,
         memory,
         exposure,
     } = Settings::default();
+    assert_eq!(effects, Choices::default());
     assert!((photons, exposure) == (None, None));
     for (field, default) in [
         ("passes", passes.to_string()),
@@ -314,6 +316,30 @@ fn glowing_shapes_follow_the_objects() {
     assert_eq!(scene.objects[0].light, None);
 }
 
+/// Effects by name, each as it may be, and a row of the documentation for each.
+#[test]
+fn effects_are_chosen_by_name() {
+    let docs = include_str!("../../docs/effects.md");
+    for effect in Effect::ALL {
+        let name = effect.name();
+        let row = format!("| `{name}` |");
+        assert!(
+            docs.lines().any(|l| l.starts_with(&row)),
+            "no row of {name}"
+        );
+        for choice in [Choice::Auto, Choice::Off, Choice::On] {
+            let text = with(&format!("render: (effects: ({name}: {choice:?}))"));
+            let read = load_str(&text, "test.ron", Path::new(""));
+            assert_eq!(read.is_ok(), choice.suits(effect), "{name}: {choice:?}");
+            if let Ok(scene) = read {
+                assert_eq!(scene.settings.choice(effect), choice);
+            }
+        }
+    }
+    let off = parse(&with("render: (indirect: false)"));
+    assert_eq!(off.settings.choice(Effect::Indirect), Choice::Off);
+}
+
 #[test]
 fn settings_come_from_render_and_image() {
     let scene = parse(
@@ -330,6 +356,7 @@ fn settings_come_from_render_and_image() {
         sampler: Sampler::Independent,
         kernel: Kernel::Circle,
         indirect: false,
+        effects: Choices::default(),
         max_depth: 9,
         memory: 2 << 20,
         exposure: Some(-0.5),

@@ -11,7 +11,6 @@ use glam::DVec3;
 use crate::{
     geometry::BoundingSphere,
     light::Light,
-    numeric::trig,
     sampling::warp::{self, one_minus_cos},
 };
 
@@ -163,30 +162,6 @@ pub(in crate::photon) fn contains(light: &Light, target: Target, start: &Start) 
         Light::Quad(_) | Light::Disc(_) => toward(start.origin),
         Light::Beam(l) => Section::of(target, l.axis, super::own_section(l)).contains(start),
         Light::Sun(_) => Section::of(target, start.dir, UNBOUNDED).contains(start),
-    }
-}
-
-/// Whether any light from this source can reach the sphere.
-pub(in crate::photon) fn reaches(light: &Light, sphere: &BoundingSphere) -> bool {
-    let beyond = |p: DVec3, n: DVec3| (sphere.center - p).dot(n) > -sphere.radius;
-    match light {
-        Light::Point(_) | Light::Sphere(_) | Light::Sun(_) => true,
-        Light::Spot(l) => match Cone::to(sphere, l.position) {
-            None => true,
-            // Angles add: apart by more than both half-angles.
-            Some(cone) => {
-                let apart = trig::acos(cone.axis.dot(l.axis).clamp(-1.0, 1.0));
-                let reach = |c: f64| trig::acos(c.clamp(-1.0, 1.0));
-                apart <= reach(1.0 - cone.q) + reach(l.cos_outer)
-            }
-        },
-        Light::Quad(l) => beyond(l.corner, l.normal()),
-        Light::Disc(l) => beyond(l.center, l.normal),
-        Light::Beam(l) => {
-            let f = sphere.center - l.center;
-            let across = (f - l.axis * f.dot(l.axis)).length();
-            beyond(l.center, l.axis) && across <= sphere.radius + l.radius
-        }
     }
 }
 

@@ -6,9 +6,9 @@ use crate::{
     material::Material,
     numeric::gamma,
     scene::{
-        Settings,
+        Choice, Effect, Settings, Switch,
         decode::short,
-        description::{self, Memory, Number, Part, RenderDescription},
+        description::{self, EffectsDescription, Memory, Number, Part, RenderDescription},
         outline::NodeId,
     },
 };
@@ -204,10 +204,42 @@ impl Builder<'_> {
                     .reject::<()>(place, "a kernel radius out of range", label, help);
             }
         }
+        if let Some(effects) = &value.effects {
+            self.effects(node, effects, &mut settings);
+        }
         if let Some(memory) = &value.memory {
             settings.memory = self.memory(node, memory).unwrap_or(settings.memory);
         }
         settings
+    }
+
+    fn effects(&mut self, node: NodeId, said: &EffectsDescription, settings: &mut Settings) {
+        let block = self.report.field(node, "effects");
+        for &(effect, choice) in &said.0 {
+            let name = effect.name();
+            let place = self.report.field(block, name);
+            if !choice.suits(effect) {
+                let message = format!("`{name}` cannot be switched");
+                let (label, help) = match effect.switch() {
+                    Switch::Never => (
+                        "it belongs to a material or a light",
+                        "leave it out here; to be without it, change the object or the light",
+                    ),
+                    Switch::On | Switch::OffOrOn => (
+                        "without it the scene would be another one",
+                        "write `Auto` or `On`",
+                    ),
+                };
+                self.report.reject::<()>(place, message, label, help);
+            } else if effect == Effect::Indirect && choice == Choice::On && !settings.indirect {
+                let message = "`indirect` is switched off and on";
+                let help = "remove one of the two";
+                self.report
+                    .reject::<()>(place, message, "`indirect: false` says otherwise", help);
+            } else {
+                settings.effects.set(effect, choice);
+            }
+        }
     }
 
     fn counts(&mut self, node: NodeId, value: &RenderDescription, settings: &mut Settings) {

@@ -18,6 +18,7 @@ mod value;
 
 use serde::Deserialize;
 
+pub use super::effect::EffectsDescription;
 use super::{Kernel, Sampler, outline::NodeId};
 
 pub use curved::{
@@ -196,6 +197,8 @@ pub struct RenderDescription {
     pub kernel: Kernel,
     /// Whether light between diffuse surfaces is simulated.
     pub indirect: Option<bool>,
+    /// What the user says about effects.
+    pub effects: Option<EffectsDescription>,
     /// Longest chain of surface interactions.
     pub max_depth: Option<u32>,
     /// Memory of the film and of a pass's photons.
