@@ -9,9 +9,9 @@ use nephroid::{
     study::{STANDARD_SCENES, Sweep},
 };
 
+use super::effects::{EffectChoice, effect};
 use super::parts::{Merged, Passes, merged, passes};
 use super::study::values::{Percent, percent, sweep};
-use super::effects::{EffectChoice, effect};
 use super::values::{
     Bound, Crop, MapKind, Method, Output, bound, crop, darkest, duration, finite, index, length,
     magnification, method, metric, output, positive, region, resolution,
