@@ -91,7 +91,7 @@ impl Task<'_> {
 /// Whether the error is looked at after so many passes: 1, 2, 3, 4, 6, 8, 12,
 /// 16, ..., so that the time between two looks grows with the time.
 fn is_look(passes: u32) -> bool {
-    passes.is_power_of_two() || (passes % 3 == 0 && (passes / 3).is_power_of_two())
+    passes.is_power_of_two() || (passes.is_multiple_of(3) && (passes / 3).is_power_of_two())
 }
 
 /// Processor time of a fixed piece of work that no version changes: what two
