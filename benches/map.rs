@@ -63,7 +63,10 @@ fn query<const COUNT: u64>(bencher: Bencher, held: u64) {
         photons
             .iter()
             .step_by(step)
-            .map(|p| map.irradiance(&ask(p.position, 0.0), |_, _| 1.0).irradiance[0])
+            .map(|p| {
+                map.irradiance(&ask(p.position, 0.0), |_, _| [1.0; 3])
+                    .irradiance[0]
+            })
             .sum::<f64>()
     });
 }
@@ -106,7 +109,7 @@ fn pass(bencher: Bencher, count: u64) {
         let mut vicinity = Vicinity::new(&map);
         let spacing = 1.0 / f64::from(WIDTH);
         pixels()
-            .map(|p| vicinity.irradiance(&ask(p, spacing), || f64::INFINITY, |_, _| 1.0))
+            .map(|p| vicinity.irradiance(&ask(p, spacing), || f64::INFINITY, |_, _| [1.0; 3]))
             .map(|found| found.irradiance[0])
             .sum::<f64>()
     });

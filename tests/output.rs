@@ -27,6 +27,7 @@ fn pass(index: u32, pixels: usize) -> Vec<PixelSample> {
     };
     let mut sample = || PixelSample {
         layers: std::array::from_fn(|_| Rgb::new(next(), next(), next())),
+        blur: [next(), -next()],
     };
     (0..pixels).map(|_| sample()).collect()
 }

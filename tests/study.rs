@@ -312,6 +312,7 @@ fn kept_runs_answer_their_own_question() {
     let directory = tempfile::tempdir().unwrap();
     let black = |_, _| PixelSample {
         layers: [Rgb::grey(1.0); 4],
+        ..PixelSample::default()
     };
     let truth = Source::ClosedForm {
         words: "grey",

@@ -12,6 +12,7 @@ use nephroid::{
 use super::effects::{EffectChoice, effect};
 use super::parts::{Merged, Passes, merged, passes};
 use super::study::values::{Percent, percent, sweep};
+use super::target::target;
 use super::values::{
     Bound, Crop, MapKind, Method, Output, bound, crop, darkest, duration, finite, index, length,
     magnification, method, metric, output, positive, region, resolution,
@@ -24,6 +25,8 @@ Exit codes:
      if the last attempt to write it failed
   2  bad input: the command line, the scene, a picture or a checkpoint
   3  interrupted; what was reached is saved
+  4  time or passes ran out before the error of --error was reached;
+     the picture is saved
   5  pictures compared, but a bound does not hold
 
 Ctrl-C (and SIGTERM, SIGHUP) finishes the pass under way and saves pictures and
@@ -80,6 +83,12 @@ pub(crate) struct RenderArgs {
     /// With --passes, whichever comes first
     #[arg(long, value_name = "TIME", value_parser = duration, verbatim_doc_comment)]
     pub(crate) time: Option<Duration>,
+
+    /// Render until the picture states that its relative error is at most
+    /// this, such as 5% or 0.05, instead of the scene's number of passes.
+    /// With --time or --passes, whichever comes first
+    #[arg(long, value_name = "ERROR", value_parser = target, verbatim_doc_comment)]
+    pub(crate) error: Option<f64>,
 
     /// Seed of the random numbers [default: the scene's]
     #[arg(long, value_name = "N")]

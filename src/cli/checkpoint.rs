@@ -68,10 +68,10 @@ fn check(part: &Part, job: &Job, typed: &RenderArgs, subject: &Subject) -> Resul
     match &part.runs()[..] {
         [] => Ok(()),
         [run] if run.start == first => {
-            // With a time given only what was typed is a limit.
+            // With a time or an error given only what was typed is a limit.
             let limit = typed.passes.map(|p| p.end).or_else(|| {
                 let all = job.settings.passes;
-                job.time.is_none().then_some(all)
+                (job.time.is_none() && job.error.is_none()).then_some(all)
             });
             match limit {
                 Some(end) if u64::from(end) < run.end => Err(format!(

@@ -1,6 +1,6 @@
 //! The command line: what was typed, what it means, and the calls it leads to.
 //!
-//! `args`, `values` and `effects` hold what was typed; `render`, `merge`, `check`,
+//! `args`, `values`, `target` and `effects` hold what was typed; `render`, `merge`, `check`,
 //! `plan`, `compare`, `study`, `bench` and `lens` resolve it and call the library. Words for people go to standard
 //! error, so that standard output carries only data that was asked for
 //! (`--json -`, the verdict of `check`, the tables of `plan` and `compare`, the
@@ -23,6 +23,7 @@ mod plan;
 mod progress;
 mod render;
 mod study;
+mod target;
 mod values;
 
 use std::{
@@ -44,6 +45,9 @@ pub(crate) enum Exit {
     BadInput = 2,
     /// Interrupted; what was reached is saved.
     Interrupted = 3,
+    /// Time or passes ran out before the error that was asked for was reached;
+    /// the picture is saved.
+    ShortOfError = 4,
     /// Pictures were compared, and a bound that was demanded does not hold. A
     /// code of its own, so that a script can tell it from a failure.
     OutOfBounds = 5,

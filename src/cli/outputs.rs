@@ -3,9 +3,10 @@
 use std::path::Path;
 
 use nephroid::{
-    film::{self, Attribute, OutputError, Provenance, Window, atomic},
+    film::{self, Attribute, Image, OutputError, Provenance, Window, atomic},
+    metrics::Statement,
     reference,
-    render::{self, Part},
+    render::{self, ErrorReport, Part},
 };
 
 use super::{
@@ -59,18 +60,30 @@ pub(super) struct Told {
     words: String,
     /// The same as JSON, or why it can't be.
     json: Result<String, String>,
+    /// What the picture says about its error, if it does.
+    statement: Option<Statement>,
+    error: Option<ErrorReport>,
 }
 
 impl Told {
-    pub(super) fn of(part: &Part) -> Self {
+    /// `target` is the relative error that was asked for.
+    pub(super) fn of(part: &Part, target: Option<f64>) -> Self {
         fn both(report: &(impl std::fmt::Display + serde::Serialize)) -> Told {
             Told {
                 words: report.to_string(),
                 json: serde_json::to_string_pretty(report).map_err(|e| e.to_string()),
+                statement: None,
+                error: None,
             }
         }
         if part.subject().is_by_photons() {
-            both(&render::Report::of(part))
+            let statement = Statement::of(part.film(), target);
+            let report = render::Report::stating(part, statement.as_ref(), target);
+            Told {
+                error: report.error,
+                statement,
+                ..both(&report)
+            }
         } else {
             both(&reference::Report::of(part))
         }
@@ -82,6 +95,53 @@ impl Told {
         for path in written {
             tell(format_args!("wrote {}", path.display()));
         }
+        if let Some(error) = &self.error {
+            let verdict = match (self.falls_short(error.target), error.target) {
+                (true, Some(target)) => format!("; {} % is not reached", 100.0 * target),
+                (false, Some(target)) => format!("; {} % is reached", 100.0 * target),
+                (_, None) => String::new(),
+            };
+            tell(format_args!("{error}{verdict}"));
+        }
+    }
+
+    /// Whether an error was asked for that the picture does not state to keep.
+    pub(super) fn falls_short(&self, target: Option<f64>) -> bool {
+        let stated = self.statement.as_ref().map(|s| s.whole.bound);
+        target.is_some_and(|target| stated.is_none_or(|stated| stated > target))
+    }
+
+    /// What a file says about the error of its picture.
+    fn attributes(&self) -> Vec<(String, Attribute)> {
+        let Some(error) = &self.error else {
+            return Vec::new();
+        };
+        let regions = [("error", Some(error.lit)), ("causticError", error.caustics)];
+        let mut all = Vec::new();
+        for (prefix, figures) in regions {
+            let Some(f) = figures else { continue };
+            let named = [
+                ("", Some(f.error)),
+                ("Bound", Some(f.bound)),
+                ("Noise", Some(f.noise)),
+                ("Bias", Some(f.bias)),
+                ("OfAll", Some(f.error_of_all)),
+                ("BoundOfAll", Some(f.bound_of_all)),
+                ("Percentile95", Some(f.percentile_95)),
+                ("Percentile99", Some(f.percentile_99)),
+                ("Outside", f.outside),
+            ];
+            let known = named.into_iter().filter_map(|(name, v)| Some((name, v?)));
+            all.extend(known.map(|(name, v)| (format!("{prefix}{name}"), Attribute::Number(v))));
+        }
+        all
+    }
+
+    /// The layers of a file that show the error of its picture.
+    fn layers(&self) -> Vec<(&str, &Image)> {
+        self.statement.as_ref().map_or_else(Vec::new, |s| {
+            vec![("error.noise", &s.noise), ("error.bias", &s.bias)]
+        })
     }
 }
 
@@ -102,7 +162,11 @@ pub(super) fn save(
     let mut faults: Vec<String> = Vec::new();
     for Output { path, format } in outputs {
         let written = match format {
-            Format::Exr => film::write_film(path, part.film(), window, &provenance(part)),
+            Format::Exr => {
+                let mut provenance = provenance(part);
+                provenance.further.extend(told.attributes());
+                film::write_film_with(path, part.film(), &told.layers(), window, &provenance)
+            }
             Format::Png => film::write_png(path, &part.film().image(), subject.exposure),
         };
         faults.extend(written.err().map(|e| e.to_string()));

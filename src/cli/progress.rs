@@ -77,6 +77,8 @@ pub(crate) struct Goal {
     pub(crate) passes: Option<u32>,
     /// Time, if one was asked for.
     pub(crate) time: Option<Duration>,
+    /// Relative error, if one was asked for.
+    pub(crate) error: Option<f64>,
 }
 
 impl Reporter {
@@ -131,7 +133,10 @@ fn fraction(progress: &Progress, goal: Goal) -> f64 {
     let by_time = goal.time.map_or(0.0, |time| {
         progress.elapsed.as_secs_f64() / time.as_secs_f64()
     });
-    by_passes.max(by_time).clamp(0.0, 1.0)
+    // Errors of many samples fall like the root of their number.
+    let by_error = progress.error.zip(goal.error);
+    let by_error = by_error.map_or(0.0, |(error, target)| (target / error).powi(2));
+    by_passes.max(by_time).max(by_error).clamp(0.0, 1.0)
 }
 
 /// Time left by the goal that is nearer, from the pace so far.
@@ -158,6 +163,10 @@ fn line(progress: &Progress, goal: Goal) -> String {
     if progress.photons_emitted > 0 && seconds > 0.0 {
         let pace = progress.photons_emitted as f64 / seconds;
         parts.push(format!("{}photons/s", si(pace)));
+    }
+    if let Some((error, target)) = progress.error.zip(goal.error) {
+        let [error, target] = [error, target].map(|e| 100.0 * e);
+        parts.push(format!("error {error:.2} % of {target} %"));
     }
     if let Some(left) = left(progress, goal) {
         parts.push(format!("{} left", clock(left)));
@@ -201,6 +210,7 @@ mod tests {
             passes_total: 64,
             photons_emitted,
             elapsed: Duration::from_secs(seconds),
+            error: None,
         }
     }
 
@@ -208,6 +218,7 @@ mod tests {
         Goal {
             passes,
             time: seconds.map(Duration::from_secs),
+            error: None,
         }
     }
 
@@ -226,6 +237,28 @@ mod tests {
             line(&at(16, 0, 20), goal(None, Some(30))),
             "pass 16, 10s left"
         );
+    }
+
+    #[test]
+    fn lines_say_the_error_where_one_is_asked_for() {
+        let progress = Progress {
+            error: Some(0.0814),
+            ..at(16, 0, 20)
+        };
+        let asked = Goal {
+            error: Some(0.05),
+            ..goal(None, Some(30))
+        };
+        assert_eq!(
+            line(&progress, asked),
+            "pass 16, error 8.14 % of 5 %, 10s left"
+        );
+        assert_eq!(line(&progress, goal(None, Some(30))), "pass 16, 10s left");
+        let far = Goal {
+            time: None,
+            ..asked
+        };
+        assert!((fraction(&progress, far) - 0.377).abs() < 1e-3);
     }
 
     #[test]

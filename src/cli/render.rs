@@ -64,7 +64,7 @@ pub(super) fn run(typed: &RenderArgs) -> Result<Exit, Failure> {
     let (part, was_stopped) = render(typed, &scene, &job, &interrupt, &mut keeper)?;
     let was_interrupted = was_stopped && interrupt.is_requested();
     interrupt.start_saving();
-    let told = Told::of(&part);
+    let told = Told::of(&part, job.error);
     let kept = keeper.map_or(Ok(()), |keeper| keeper.finish(&part));
     let mut faults = outputs::save(&part, &told, &outputs, json.as_ref());
     faults.extend(kept.err());
@@ -76,6 +76,8 @@ pub(super) fn run(typed: &RenderArgs) -> Result<Exit, Failure> {
     }
     Ok(if was_interrupted {
         Exit::Interrupted
+    } else if told.falls_short(job.error) {
+        Exit::ShortOfError
     } else {
         Exit::Done
     })
@@ -108,6 +110,7 @@ fn job(typed: &RenderArgs, scene: &Scene) -> Result<Job, Failure> {
             .crop
             .map(|c| [c.origin[0], c.origin[1], c.size[0], c.size[1]]),
         time: typed.time,
+        error: typed.error,
     };
     Ok(job)
 }
@@ -128,6 +131,9 @@ fn check_fit(typed: &RenderArgs, scene: &Scene, job: &Job) -> Result<(), Failure
     }
     if typed.patches.is_some() && !is(reference::Method::Radiosity) {
         return unused("--patches", "only radiosity divides surfaces");
+    }
+    if typed.error.is_some() && typed.method != Method::Photons {
+        return unused("--error", "only pictures of the renderer state their error");
     }
     match typed.method {
         Method::Photons => job.check().map_err(Failure::bad_input),
@@ -182,17 +188,16 @@ fn render(
     interrupt: &Interrupt,
     keeper: &mut Option<Keeper<'_>>,
 ) -> Result<(Part, bool), Failure> {
-    // With a time given the scene's number of passes is no limit, but one that
-    // was typed is, and the one that is reached first ends the render.
-    let goal = match job.time {
-        None => Goal {
-            passes: Some(job.settings.passes - job.first_pass),
-            time: None,
+    // With a time or an error given the scene's number of passes is no limit,
+    // but one that was typed is; what is reached first ends the render.
+    let is_open = job.time.is_some() || job.error.is_some();
+    let goal = Goal {
+        passes: match typed.passes {
+            Some(passes) => Some(passes.end - passes.first),
+            None => (!is_open).then(|| job.settings.passes - job.first_pass),
         },
-        time => Goal {
-            passes: typed.passes.map(|passes| passes.end - passes.first),
-            time,
-        },
+        time: job.time,
+        error: job.error,
     };
     let is_enough = |passes: u32| goal.passes.is_some_and(|n| passes >= n);
     let mut reporter = Reporter::new(typed.quiet);

@@ -3,9 +3,12 @@
 //!
 //! Every pass belongs to one of eight replicates (pass index modulo 8). The
 //! film keeps, per pixel, the total of each replicate and each layer over all
-//! replicates: 8 + 4 colours of three 16-byte sums, **576 bytes per pixel**.
-//! The replicates are independent estimates of the same picture, so their
-//! spread is its noise ([`Film::noise`]).
+//! replicates: 8 + 4 colours of three 16-byte sums, and four sums of what
+//! narrower kernels find otherwise: **640 bytes per pixel**. The replicates
+//! are independent estimates of the same picture, so their spread is its noise
+//! ([`Film::noise`]). The differences of kernels are summed for even and for
+//! odd replicates apart: the product of two independent estimates of a number
+//! has the number's square as its mean, whatever their noise ([`Film::blur`]).
 //!
 //! A layer and a total are rounded to the quantum separately: the layers of a
 //! picture sum to the picture up to four quanta per pass, which is some 19
@@ -34,6 +37,13 @@ const RANGE_IN_QUANTA_LOG2: i32 = 64 + 40;
 
 pub(super) type RgbSum = [ExactSum; 3];
 
+/// Halves of the replicates whose differences of kernels are summed apart:
+/// those with even and those with odd numbers.
+pub const HALVES: usize = 2;
+
+/// Sums of [`PixelSample::blur`], one for each half of the replicates.
+type BlurSum = [[ExactSum; 2]; HALVES];
+
 /// The sums of a render; see the module's text.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Film {
@@ -44,6 +54,8 @@ pub struct Film {
     pub(super) replicates: [Vec<RgbSum>; REPLICATES],
     /// Radiance per pixel and layer, over all replicates.
     pub(super) layers: Vec<[RgbSum; 4]>,
+    /// What narrower kernels find otherwise, per pixel.
+    pub(super) blur: Vec<BlurSum>,
     pub(super) passes: [u64; REPLICATES],
     pub(super) refused: u64,
 }
@@ -67,7 +79,8 @@ pub enum MergeError {
 
 impl Film {
     /// Bytes of state per pixel.
-    pub const BYTES_PER_PIXEL: usize = (REPLICATES + Layer::ALL.len()) * size_of::<RgbSum>();
+    pub const BYTES_PER_PIXEL: usize =
+        (REPLICATES + Layer::ALL.len()) * size_of::<RgbSum>() + size_of::<BlurSum>();
 
     /// An empty film of `width` x `height` pixels. `quantum` must be the same
     /// for all films that are to be merged, so it is made from the scene.
@@ -79,6 +92,7 @@ impl Film {
             quantum,
             replicates: std::array::from_fn(|_| vec![RgbSum::default(); n]),
             layers: vec![Default::default(); n],
+            blur: vec![BlurSum::default(); n],
             passes: [0; REPLICATES],
             refused: 0,
         }
@@ -139,12 +153,18 @@ impl Film {
         let refused: u64 = self.replicates[replicate]
             .par_chunks_mut(width)
             .zip(self.layers.par_chunks_mut(width))
+            .zip(self.blur.par_chunks_mut(width))
             .zip(samples.par_chunks(width))
-            .map(|((totals, layers), samples)| {
+            .map(|(((totals, layers), blur), samples)| {
                 let mut refused = 0;
-                for ((total, layers), sample) in totals.iter_mut().zip(layers).zip(samples) {
+                let sums = totals.iter_mut().zip(layers).zip(blur);
+                for (((total, layers), blur), sample) in sums.zip(samples) {
                     if is_in_range(sample, limit) {
                         add_sample(total, layers, sample, quantum);
+                        let half = &mut blur[replicate % HALVES];
+                        for (sum, step) in half.iter_mut().zip(sample.blur) {
+                            sum.add(step, quantum);
+                        }
                     } else {
                         refused += 1;
                     }
@@ -178,6 +198,15 @@ impl Film {
         for (ours, theirs) in self.layers.iter_mut().zip(&other.layers) {
             for (ours, theirs) in ours.iter_mut().zip(theirs) {
                 merge_rgb(ours, theirs);
+            }
+        }
+        for (ours, theirs) in self.blur.iter_mut().zip(&other.blur) {
+            for (ours, theirs) in ours
+                .as_flattened_mut()
+                .iter_mut()
+                .zip(theirs.as_flattened())
+            {
+                ours.merge(*theirs);
             }
         }
         for (ours, theirs) in self.passes.iter_mut().zip(other.passes) {
@@ -223,22 +252,64 @@ impl Film {
     /// replicate's mean falls with its passes. The estimate has r - 1 degrees
     /// of freedom (seven from the first full round on).
     pub fn noise(&self) -> Option<Image> {
-        let used: Vec<usize> = (0..REPLICATES).filter(|&r| self.passes[r] > 0).collect();
-        if used.len() < 2 {
+        if self.passes.iter().filter(|&&n| n > 0).count() < 2 {
             return None;
         }
-        let passes = self.passes() as f64;
-        let freedom = (used.len() - 1) as f64;
-        let mean = self.image();
-        Some(self.collect(|i| {
-            let mut squares = Rgb::BLACK;
-            for &r in &used {
-                let difference =
-                    self.mean(&self.replicates[r][i], self.passes[r]) - mean.pixels()[i];
-                squares += difference * difference * self.passes[r] as f64;
+        Some(self.collect(|i| self.variance_at(i).map(f64::sqrt)))
+    }
+
+    /// The square of [`Film::noise`] at one pixel, given by its number row by
+    /// row; black while fewer than two replicates have passes.
+    ///
+    /// # Panics
+    /// Outside the film.
+    pub fn variance_at(&self, pixel: usize) -> Rgb {
+        let passes = self.passes();
+        let mut sum = RgbSum::default();
+        for replicate in &self.replicates {
+            merge_rgb(&mut sum, &replicate[pixel]);
+        }
+        let mean = self.mean(&sum, passes);
+        let (mut squares, mut used) = (Rgb::BLACK, 0.0);
+        for (replicate, n) in self.replicates.iter().zip(self.passes) {
+            if n > 0 {
+                let difference = self.mean(&replicate[pixel], n) - mean;
+                squares += difference * difference * n as f64;
+                used += 1.0;
             }
-            (squares / (freedom * passes)).map(f64::sqrt)
-        }))
+        }
+        if used > 1.0 {
+            squares / ((used - 1.0) * passes as f64)
+        } else {
+            Rgb::BLACK
+        }
+    }
+
+    /// What each replicate alone sees at one pixel, given by its number row by
+    /// row; black before its first pass.
+    ///
+    /// # Panics
+    /// Outside the film.
+    pub fn replicates_at(&self, pixel: usize) -> [Rgb; REPLICATES] {
+        std::array::from_fn(|r| self.mean(&self.replicates[r][pixel], self.passes[r]))
+    }
+
+    /// The mean of [`PixelSample::blur`] over the passes of one half of the
+    /// replicates, 0 for the even and 1 for the odd ones: row by row, zero
+    /// before the first pass. The halves are independent estimates of one
+    /// thing.
+    ///
+    /// # Panics
+    /// If `half` is not below [`HALVES`].
+    pub fn blur(&self, half: usize) -> Vec<[f64; 2]> {
+        let of_half = |r: &usize| r % HALVES == half;
+        let passes: u64 = (0..REPLICATES)
+            .filter(of_half)
+            .map(|r| self.passes[r])
+            .sum();
+        let passes = passes.max(1) as f64;
+        let mean = |sums: &BlurSum| sums[half].map(|s| s.value(self.quantum) / passes);
+        self.blur.par_iter().map(mean).collect()
     }
 
     fn mean(&self, sum: &RgbSum, passes: u64) -> Rgb {
@@ -291,100 +362,4 @@ fn merge_rgb(sum: &mut RgbSum, other: &RgbSum) {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn quantum() -> Quantum {
-        Quantum::for_typical(1.0)
-    }
-
-    fn grey(v: f64) -> PixelSample {
-        let mut s = PixelSample::default();
-        s[Layer::Direct] = Rgb::grey(v);
-        s
-    }
-
-    #[test]
-    fn bytes_are_what_the_text_says() {
-        assert_eq!(Film::BYTES_PER_PIXEL, 576);
-        assert_eq!(Film::new(5, 3, quantum()).bytes(), 15 * 576);
-    }
-
-    #[test]
-    fn means_are_over_the_right_passes() {
-        let mut film = Film::new(1, 1, quantum());
-        assert_eq!(film.image().pixel(0, 0), Rgb::BLACK);
-        film.add_pass(0, &[grey(1.0)]);
-        film.add_pass(8, &[grey(3.0)]);
-        film.add_pass(3, &[grey(8.0)]);
-        assert_eq!(film.passes(), 3);
-        assert_eq!(film.replicate_passes(), [2, 0, 0, 1, 0, 0, 0, 0]);
-        assert_eq!(film.image().pixel(0, 0), Rgb::grey(4.0));
-        assert_eq!(film.layer_image(Layer::Direct).pixel(0, 0), Rgb::grey(4.0));
-        assert_eq!(film.layer_image(Layer::Caustic).pixel(0, 0), Rgb::BLACK);
-        assert_eq!(film.replicate_image(0).pixel(0, 0), Rgb::grey(2.0));
-        assert_eq!(film.replicate_image(1).pixel(0, 0), Rgb::BLACK);
-        assert_eq!(film.replicate_image(3).pixel(0, 0), Rgb::grey(8.0));
-    }
-
-    #[test]
-    fn noise_is_the_standard_error_of_the_replicates() {
-        let mut film = Film::new(1, 1, quantum());
-        assert!(film.noise().is_none());
-        film.add_pass(0, &[grey(1.0)]);
-        film.add_pass(8, &[grey(1.0)]);
-        assert!(film.noise().is_none(), "one replicate has no spread");
-        // Replicate means 1, 2, .., 8: sample variance 6, over eight of them.
-        let mut film = Film::new(1, 1, quantum());
-        for i in 0..8u32 {
-            film.add_pass(i, &[grey(f64::from(i))]);
-            film.add_pass(i + 8, &[grey(f64::from(i) + 2.0)]);
-        }
-        let noise = film.noise().unwrap().pixel(0, 0);
-        assert!((noise.0[1] - (6.0f64 / 8.0).sqrt()).abs() < 1e-14);
-        // Unequal: means 1 (two passes) and 4 (one), mean 2:
-        // (2 * 1 + 1 * 4) / 1 / 3 = 2.
-        let mut film = Film::new(1, 1, quantum());
-        for (pass, v) in [(0, 1.0), (8, 1.0), (1, 4.0)] {
-            film.add_pass(pass, &[grey(v)]);
-        }
-        let noise = film.noise().unwrap().pixel(0, 0);
-        assert!((noise.0[0] - 2.0f64.sqrt()).abs() < 1e-14);
-    }
-
-    #[test]
-    fn samples_out_of_range_add_nothing_and_are_counted() {
-        let mut bad = grey(1.0);
-        bad[Layer::Emission] = Rgb::new(0.0, f64::NAN, 0.0);
-        let mut film = Film::new(4, 1, quantum());
-        let beyond = grey(libm::ldexp(1.0, 41));
-        film.add_pass(0, &[bad, grey(f64::INFINITY), beyond, grey(2.0)]);
-        assert_eq!(film.refused(), 3);
-        for x in 0..3 {
-            assert_eq!(film.image().pixel(x, 0), Rgb::BLACK);
-            assert_eq!(film.layer_image(Layer::Direct).pixel(x, 0), Rgb::BLACK);
-        }
-        assert_eq!(film.image().pixel(3, 0), Rgb::grey(2.0));
-        film.add_pass(8, &[grey(libm::ldexp(1.0, 40)); 4]);
-        assert_eq!(film.refused(), 3, "the edge of the range is inside");
-    }
-
-    #[test]
-    fn films_of_different_pictures_do_not_merge() {
-        let mut film = Film::new(2, 1, quantum());
-        let before = film.clone();
-        let mut other = Film::new(1, 2, quantum());
-        other.add_pass(0, &[grey(1.0); 2]);
-        assert_eq!(
-            film.merge(&other),
-            Err(MergeError::Size {
-                ours: [2, 1],
-                theirs: [1, 2]
-            })
-        );
-        let mut other = Film::new(2, 1, Quantum::for_typical(5.0));
-        other.add_pass(0, &[grey(1.0); 2]);
-        assert_eq!(film.merge(&other), Err(MergeError::Quantum));
-        assert_eq!(film, before);
-    }
-}
+mod tests;

@@ -103,9 +103,26 @@ pub fn write_film(
     window: Window,
     provenance: &Provenance,
 ) -> Result<(), OutputError> {
+    write_film_with(path, film, &[], window, provenance)
+}
+
+/// As [`write_film`], with `further` images of the film's size as layers of
+/// these names.
+///
+/// # Errors
+/// See [`OutputError`].
+pub fn write_film_with(
+    path: &Path,
+    film: &Film,
+    further: &[(&str, &Image)],
+    window: Window,
+    provenance: &Provenance,
+) -> Result<(), OutputError> {
     let mut images = vec![("", film.image())];
     images.extend(Layer::ALL.map(|layer| (layer.name(), film.layer_image(layer))));
-    let layers: Vec<(&str, &Image)> = images.iter().map(|(name, image)| (*name, image)).collect();
+    let mut layers: Vec<(&str, &Image)> =
+        images.iter().map(|(name, image)| (*name, image)).collect();
+    layers.extend(further);
     write_exr(path, &layers, window, &provenance.attributes(film.passes()))
 }
 

@@ -1,6 +1,6 @@
 //! The parts a picture is made of, and one pixel's share of a pass.
 
-use std::ops::{Index, IndexMut};
+use std::ops::{AddAssign, Div, Index, IndexMut};
 
 use crate::spectrum::Rgb;
 
@@ -38,6 +38,10 @@ impl Layer {
 pub struct PixelSample {
     /// One entry per [`Layer`], in the order of [`Layer::ALL`].
     pub layers: [Rgb; 4],
+    /// How much less light narrower kernels find of the same photons, mean
+    /// over the channels: when all kernels shrink to half their area, and again
+    /// when these shrink to half of theirs. Zero where nothing is gathered.
+    pub blur: [f64; 2],
 }
 
 impl PixelSample {
@@ -46,6 +50,29 @@ impl PixelSample {
     pub fn total(&self) -> Rgb {
         let [a, b, c, d] = self.layers;
         a + b + c + d
+    }
+}
+
+impl AddAssign for PixelSample {
+    #[inline]
+    fn add_assign(&mut self, other: Self) {
+        for (sum, more) in self.layers.iter_mut().zip(other.layers) {
+            *sum += more;
+        }
+        for (sum, more) in self.blur.iter_mut().zip(other.blur) {
+            *sum += more;
+        }
+    }
+}
+
+impl Div<f64> for PixelSample {
+    type Output = Self;
+    #[inline]
+    fn div(self, by: f64) -> Self {
+        Self {
+            layers: self.layers.map(|l| l / by),
+            blur: self.blur.map(|b| b / by),
+        }
     }
 }
 

@@ -18,9 +18,11 @@ mod layer;
 mod png_file;
 mod state;
 
-pub use accumulator::{Film, MergeError, REPLICATES};
+pub use accumulator::{Film, HALVES, MergeError, REPLICATES};
 pub use atomic::OutputError;
-pub use exr_file::{Attribute, Provenance, Window, encode_exr, write_exr, write_film};
+pub use exr_file::{
+    Attribute, Provenance, Window, encode_exr, write_exr, write_film, write_film_with,
+};
 pub use exr_read::{ReadError, read_exr, read_exr_layers};
 pub use heights_file::{encode_heights, write_heights};
 pub use image::Image;

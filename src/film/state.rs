@@ -7,6 +7,7 @@
 //! | passes of each replicate | 8 x 8 |
 //! | samples refused | 8 |
 //! | for each row, for each replicate and then each layer, for each channel: the bytes `w` of a count, then the row's counts | 1 + `w` x width |
+//! | the same for each half of the replicates and each step between kernels | 1 + `w` x width |
 //!
 //! All numbers are little-endian, counts in two's complement. `w` (1 to 16) is
 //! what the row's largest count needs: sums of a row have about the same size,
@@ -18,7 +19,7 @@ use std::io::{self, Read, Write};
 use rayon::prelude::*;
 use thiserror::Error;
 
-use super::accumulator::{Film, REPLICATES};
+use super::accumulator::{Film, HALVES, REPLICATES};
 use crate::numeric::{ExactSum, exact::Quantum};
 
 /// Rows that are encoded at a time, in parallel.
@@ -26,7 +27,9 @@ const ROWS: usize = 64;
 /// Lists of sums, and rows of counts that each pixel row makes: one for each
 /// list and channel.
 const LISTS: usize = REPLICATES + 4;
-const PLANES: usize = 3 * LISTS;
+const COLOURS: usize = 3 * LISTS;
+/// The same with the differences of kernels.
+const PLANES: usize = COLOURS + 2 * HALVES;
 /// Bytes before the rows.
 const HEAD: usize = 4 + 4 + 8 + 8 * REPLICATES + 8;
 /// Bytes of the widest count.
@@ -85,6 +88,12 @@ impl Film {
                 encode(sums, &mut bytes);
             }
         }
+        for half in 0..HALVES {
+            for step in 0..2 {
+                let sums = self.blur[row.clone()].iter().map(|s| s[half][step]);
+                encode(sums, &mut bytes);
+            }
+        }
         bytes
     }
 
@@ -138,7 +147,11 @@ impl Film {
         let row = y * width..(y + 1) * width;
         let (list, channel) = (plane / 3, plane % 3);
         let values = counts.chunks_exact(size).map(count);
-        if list < REPLICATES {
+        if let Some(difference) = plane.checked_sub(COLOURS) {
+            let sums = self.blur[row].iter_mut();
+            sums.zip(values)
+                .for_each(|(sum, v)| sum[difference / 2][difference % 2] = v);
+        } else if list < REPLICATES {
             let sums = self.replicates[list][row].iter_mut();
             sums.zip(values).for_each(|(sum, v)| sum[channel] = v);
         } else {
@@ -190,6 +203,7 @@ mod tests {
                 let v = f64::from(i * 7 + pass * 3) / 13.0;
                 sample[Layer::Direct] = Rgb::new(v, -v * 1e-9, v * v);
                 sample[Layer::Caustic] = Rgb::grey(libm::exp2(v));
+                sample.blur = [0.1 * v, -0.01 * v];
                 if i == 2 {
                     sample[Layer::Indirect] = Rgb::grey(f64::NAN);
                 }

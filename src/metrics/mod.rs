@@ -21,6 +21,7 @@ mod opponent;
 mod plane;
 mod slope;
 mod ssim;
+mod statement;
 mod student;
 
 pub use chi_square::{ChiSquare, chi_square, sidak};
@@ -37,4 +38,5 @@ pub use noise::relative_noise;
 pub use plane::{Plane, Region};
 pub use slope::{Slope, fit_slope};
 pub use ssim::Ssim;
+pub use statement::{Figures, Statement};
 pub use student::student_quantile;

@@ -86,6 +86,19 @@ impl Plane {
         &self.values
     }
 
+    /// A plane of this size, zero everywhere.
+    pub(super) fn zeros(&self) -> Self {
+        Self {
+            values: vec![0.0; self.values.len()],
+            ..*self
+        }
+    }
+
+    /// All values, to be changed.
+    pub(super) fn values_mut(&mut self) -> &mut [f64] {
+        &mut self.values
+    }
+
     /// The values of row `y`.
     ///
     /// # Panics

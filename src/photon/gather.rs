@@ -1,6 +1,9 @@
 //! Asking the map at a surface point, with what stands around it.
 
-use std::{cell::OnceCell, f64::consts::TAU};
+use std::{
+    cell::OnceCell,
+    f64::consts::{FRAC_1_SQRT_2, TAU},
+};
 
 use glam::DVec3;
 
@@ -67,10 +70,15 @@ pub fn gather(
             way.is_none_or(|(ray, distance)| !world.occluded_by(walls, &ray, distance))
         };
         if !seen {
-            return 0.0;
+            return [0.0; 3];
         }
         let horizon = horizon.get_or_init(|| Horizon::around(ctx, at, walls, farthest, u));
-        1.0 / horizon.share(ellipse)
+        // Of the kernel, and of those of half and of a quarter of its area.
+        let share = |factor| horizon.share(&ellipse.scaled(factor));
+        match share(1.0) {
+            1.0 => [1.0; 3],
+            whole => [whole, share(FRAC_1_SQRT_2), share(0.5)].map(f64::recip),
+        }
     })
 }
 

@@ -93,6 +93,10 @@ pub struct Gathered {
     /// Irradiance in W/m2 by light of which a diffuse surface had made such a
     /// caustic before it reflected it here.
     pub bounced: Rgb,
+    /// What kernels of half and of a quarter of the area find of the same
+    /// photons, over what the kernels themselves find: of each kind of light,
+    /// 1 where there is none.
+    pub narrower: [[f64; 2]; 2],
     /// Candidates that trees offered: the work of searching.
     pub visited: u32,
     /// Kernels evaluated.
@@ -172,7 +176,11 @@ impl PhotonMap {
     }
 
     /// Irradiance in W/m2 at a single point; see [`Vicinity::irradiance`].
-    pub fn irradiance(&self, query: &Query, weigh: impl Fn(DVec3, &Ellipse) -> f64) -> Gathered {
+    pub fn irradiance(
+        &self,
+        query: &Query,
+        weigh: impl Fn(DVec3, &Ellipse) -> [f64; 3],
+    ) -> Gathered {
         Vicinity::new(self).irradiance(query, || 0.0, weigh)
     }
 

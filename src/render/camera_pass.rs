@@ -249,13 +249,9 @@ impl Renderer<'_> {
                         let index = u64::from(round) * u64::from(n) + u64::from(j);
                         let stream = sequence.at_own_order(index);
                         let more = gather.sample(self.ray(px, py, &stream), &stream, near, tally);
-                        for (a, b) in sample.layers.iter_mut().zip(more.layers) {
-                            *a += b;
-                        }
+                        sample += more;
                     }
-                    for layer in &mut sample.layers {
-                        *layer = *layer / f64::from(n + 1);
-                    }
+                    sample = sample / f64::from(n + 1);
                 }
                 if self.glinting.get(i) == Some(&true) {
                     sample[Layer::Emission] =

@@ -65,6 +65,30 @@ pub(super) struct Gather<'a> {
     pub(super) footprint: Footprint,
 }
 
+/// What the photons bring at a point: light of caustics, and light reflected
+/// after it was one.
+#[derive(Clone, Copy, Default)]
+struct Found {
+    light: [Rgb; 2],
+    narrower: [[f64; 2]; 2],
+}
+
+impl Found {
+    /// What one kind of light loses when kernels are drawn in, as
+    /// [`PixelSample::blur`] has it.
+    fn blur(&self, kind: usize, throughput: Rgb) -> [f64; 2] {
+        let light = (throughput * self.light[kind]).mean();
+        let [half, quarter] = self.narrower[kind];
+        [light * (1.0 - half), light * (half - quarter)]
+    }
+}
+
+fn add_blur(sum: &mut [f64; 2], more: [f64; 2]) {
+    for (s, m) in sum.iter_mut().zip(more) {
+        *s += m;
+    }
+}
+
 impl<'a> Gather<'a> {
     /// Asks the photons for samples that follow each other closely.
     pub(super) fn vicinity(&self) -> Option<Vicinity<'a>> {
@@ -96,9 +120,7 @@ impl<'a> Gather<'a> {
                 } => {
                     let at = DiffusePoint::new(*point, walker.ray.dir, *reflectance, walker.media);
                     let found = self.shade(walker, &at, stream, ends, vicinity, tally);
-                    for (sum, layer) in sample.layers.iter_mut().zip(found.layers) {
-                        *sum += layer;
-                    }
+                    sample += found;
                     ends += 1;
                 }
                 End::Escaped | End::Surface { .. } => {
@@ -183,8 +205,9 @@ impl<'a> Gather<'a> {
         let mut here = coordinates::shading(stream, k);
         let (bounce, goes_on) = (here.next_2d(), here.next_1d());
         let width = self.footprint.width + self.footprint.spread * walker.length;
-        let [caustic, bounced] = self.gathered(at, width, true, &mut here, vicinity, tally);
-        sample[Layer::Caustic] += walker.throughput * caustic;
+        let found = self.gathered(at, width, true, &mut here, vicinity, tally);
+        sample[Layer::Caustic] += walker.throughput * found.light[0];
+        sample.blur = found.blur(0, walker.throughput);
         let rays = self.shadow_rays(walker);
         tally.rays += u64::from(rays);
         let direct = direct_light(&self.ctx, at, &mut here, rays);
@@ -192,7 +215,8 @@ impl<'a> Gather<'a> {
         if !self.ctx.plan.indirect {
             return sample;
         }
-        sample[Layer::Indirect] += walker.throughput * bounced;
+        sample[Layer::Indirect] += walker.throughput * found.light[1];
+        add_blur(&mut sample.blur, found.blur(1, walker.throughput));
         // A path that carries little goes on as seldom.
         if goes_on < walker.strength {
             let path = Walker {
@@ -202,8 +226,9 @@ impl<'a> Gather<'a> {
             };
             let mut beyond = coordinates::path(stream, k);
             let before = *tally;
-            sample[Layer::Indirect] +=
-                self.indirect(path, *at, bounce, &mut beyond, vicinity, tally);
+            let (light, blur) = self.indirect(path, *at, bounce, &mut beyond, vicinity, tally);
+            sample[Layer::Indirect] += light;
+            add_blur(&mut sample.blur, blur);
             tally.beyond += tally.work_since(&before);
         }
         sample
@@ -221,10 +246,10 @@ impl<'a> Gather<'a> {
         stream: &mut Stream,
         vicinity: &mut Option<Vicinity<'_>>,
         tally: &mut CameraTally,
-    ) -> [Rgb; 2] {
+    ) -> Found {
         let Some(vicinity) = vicinity else {
             stream.skip();
-            return [Rgb::BLACK; 2];
+            return Found::default();
         };
         let unit = self.scale * width;
         let kernels = Kernels {
@@ -241,7 +266,10 @@ impl<'a> Gather<'a> {
         tally.visited += u64::from(found.visited);
         tally.tested += u64::from(found.tested);
         tally.accepted += u64::from(found.accepted);
-        [found.irradiance, found.bounced].map(|e| at.reflectance * e * FRAC_1_PI)
+        Found {
+            light: [found.irradiance, found.bounced].map(|e| at.reflectance * e * FRAC_1_PI),
+            narrower: found.narrower,
+        }
     }
 
     /// Light from further diffuse surfaces, by path tracing; `path` has just
@@ -255,14 +283,15 @@ impl<'a> Gather<'a> {
         stream: &mut Stream,
         vicinity: &mut Option<Vicinity<'_>>,
         tally: &mut CameraTally,
-    ) -> Rgb {
+    ) -> (Rgb, [f64; 2]) {
         let mut sum = Rgb::BLACK;
+        let mut blur = [0.0; 2];
         let mut bounces = 0;
         // Footprints are wide after a diffuse bounce, whatever they were.
         let mut width = self.footprint.width + self.footprint.spread * path.length;
         loop {
             let Some(dir) = bounce_direction(&at, bounce) else {
-                return sum;
+                return (sum, blur);
             };
             let before = path;
             path.ray = at.point.spawn(dir);
@@ -275,30 +304,31 @@ impl<'a> Gather<'a> {
                 } => (point, reflectance),
                 End::Truncated => {
                     tally.truncated += 1;
-                    return sum;
+                    return (sum, blur);
                 }
                 // Lights are sampled directly: meeting one adds nothing.
-                End::Surface { .. } | End::Escaped => return sum,
+                End::Surface { .. } | End::Escaped => return (sum, blur),
             };
             width += DIFFUSE_SPREAD * (path.length - before.length);
             at = DiffusePoint::new(point, path.ray.dir, reflectance, path.media);
             // The caustic itself, as light for the surface before, has come
             // there as photons that bounced here.
-            let [_, bounced] = self.gathered(&at, width, false, stream, vicinity, tally);
+            let bounced = self.gathered(&at, width, false, stream, vicinity, tally);
             tally.rays += u64::from(LATER_SHADOW_RAYS);
-            let found = direct_light(&self.ctx, &at, stream, LATER_SHADOW_RAYS) + bounced;
+            let found = direct_light(&self.ctx, &at, stream, LATER_SHADOW_RAYS) + bounced.light[1];
+            add_blur(&mut blur, bounced.blur(1, path.throughput));
             sum += path.throughput * found;
             path.throughput *= reflectance;
             path.strength *= reflectance.max();
             bounces += 1;
             if path.depth >= self.ctx.max_depth {
                 tally.truncated += 1;
-                return sum;
+                return (sum, blur);
             }
             if bounces >= SURE_BOUNCES {
                 let q = path.strength.min(0.95);
                 if stream.next_1d() >= q {
-                    return sum;
+                    return (sum, blur);
                 }
                 path.throughput = path.throughput / q;
                 path.strength /= q;

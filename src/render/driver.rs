@@ -7,13 +7,14 @@ use std::{
 
 use crate::{
     film::Film,
-    metrics::relative_noise,
+    metrics::{Statement, relative_noise},
     photon::LightTally,
     scene::{Scene, Settings},
 };
 
 use super::{
-    LightReport, Part, REPLICATES, Renderer, Report, Schedule, Subject,
+    ErrorReport, LightReport, Part, REPLICATES, Renderer, Report, Schedule, Subject,
+    asking::Asking,
     memory::{TooLarge, photon_budget},
 };
 
@@ -33,6 +34,10 @@ pub struct Job {
     /// Stop starting passes after this time; `settings.passes` is then no
     /// limit.
     pub time: Option<Duration>,
+    /// Stop once the picture states that its relative error is at most this,
+    /// 0.05 for 5 %, at 90 %; `settings.passes` is then no limit. Reference
+    /// methods state no error and do not stop for one.
+    pub error: Option<f64>,
 }
 
 impl Job {
@@ -44,6 +49,7 @@ impl Job {
             resolution: scene.resolution,
             crop: None,
             time: None,
+            error: None,
         }
     }
 }
@@ -62,7 +68,10 @@ impl Job {
     /// of them.
     pub fn passes_wanted(&self, done: u32, elapsed: Duration) -> u32 {
         let Some(limit) = self.time else {
-            return self.settings.passes.saturating_sub(self.first_pass).max(1);
+            return match self.error {
+                Some(_) => u32::MAX,
+                None => self.settings.passes.saturating_sub(self.first_pass).max(1),
+            };
         };
         if elapsed >= limit {
             return done;
@@ -120,6 +129,9 @@ pub struct Progress {
     pub photons_emitted: u64,
     /// Wall time since the start.
     pub elapsed: Duration,
+    /// The relative error that was last stated, at 90 %, if an error is asked
+    /// for.
+    pub error: Option<f64>,
 }
 
 /// A finished or interrupted render.
@@ -129,8 +141,19 @@ pub struct Outcome {
     pub film: Film,
     /// What the render says about itself.
     pub report: Report,
+    /// What the picture says about its error; `None` before every replicate
+    /// has a pass, and of a black picture.
+    pub statement: Option<Statement>,
     /// Whether the caller stopped it before its end.
     pub interrupted: bool,
+}
+
+impl Outcome {
+    /// Whether the picture states an error of at most so much.
+    pub fn reaches(&self, error: f64) -> bool {
+        let stated = self.statement.as_ref();
+        stated.is_some_and(|s| s.whole.bound <= error)
+    }
 }
 
 /// Renders. `on_progress` is called after every pass; `Break` ends the render
@@ -147,16 +170,19 @@ pub fn run(
     let interrupted = go_on(&renderer, job, &mut part, &mut |progress, _| {
         on_progress(progress)
     });
+    let statement = Statement::of(part.film(), job.error);
     Outcome {
-        report: Report::of(&part),
+        report: Report::stating(&part, statement.as_ref(), job.error),
         film: part.into_film(),
+        statement,
         interrupted,
     }
 }
 
 /// Adds the passes to `part` that it still lacks; whether the caller stopped it
 /// before its end. `after_pass` is called after every pass, with what is there
-/// then; `Break` ends the render. The part must be of the subject of `renderer`
+/// then; `Break` ends the render. So does an error that was asked for and is
+/// reached, at the rounds at which it is asked for. The part must be of the subject of `renderer`
 /// and `job`, and its passes those from the job's first one on.
 pub fn go_on(
     renderer: &Renderer<'_>,
@@ -164,14 +190,34 @@ pub fn go_on(
     part: &mut Part,
     after_pass: &mut dyn FnMut(&Progress, &Part) -> ControlFlow<()>,
 ) -> bool {
-    job.add_passes(part, after_pass, &mut |part, index| {
+    let mut asking = Asking::of(job);
+    if asking.is_reached_by(part) {
+        return false;
+    }
+    let mut is_reached = false;
+    let mut ask_and_tell = |progress: &Progress, part: &Part| {
+        is_reached = asking.is_reached_by(part);
+        let error = asking.stated();
+        match after_pass(&Progress { error, ..*progress }, part) {
+            ControlFlow::Continue(()) if is_reached => ControlFlow::Break(()),
+            flow => flow,
+        }
+    };
+    let was_stopped = job.add_passes(part, &mut ask_and_tell, &mut |part, index| {
         part.add_pass(index, &renderer.pass(index));
-    })
+    });
+    was_stopped && !is_reached
 }
 
 impl Report {
     /// The report of some passes by the renderer's own method.
     pub fn of(part: &Part) -> Self {
+        Self::stating(part, Statement::of(part.film(), None).as_ref(), None)
+    }
+
+    /// The same with what its film was found to say about its error, set
+    /// against a target.
+    pub fn stating(part: &Part, statement: Option<&Statement>, target: Option<f64>) -> Self {
         let subject = &part.subject;
         let totals = part.totals.total();
         let ledger = Self::ledger(&totals.tally, totals.emitted);
@@ -227,6 +273,7 @@ impl Report {
             noise: film
                 .noise()
                 .map(|noise| relative_noise(&film.image(), &noise)),
+            error: statement.map(|s| ErrorReport::of(s, target)),
             seconds: part.seconds,
             lights,
         }

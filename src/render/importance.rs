@@ -193,7 +193,7 @@ impl Importance {
                 spacing: 0.0,
             },
         };
-        let found = self.map.irradiance(&query, |_, _| 1.0);
+        let found = self.map.irradiance(&query, |_, _| [1.0; 3]);
         let all = if photon.bounced {
             found.irradiance + found.bounced
         } else {

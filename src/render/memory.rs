@@ -11,9 +11,16 @@ use crate::{
 /// any budget must leave room for.
 pub(super) const FEWEST_PHOTONS: u64 = 1 << 12;
 
-/// Bytes per pixel: the film's sums and a pass's samples, which exist twice
-/// while rows are joined. The images made at the end take less.
-const BYTES_PER_PIXEL: u64 = Film::BYTES_PER_PIXEL as u64 + 2 * size_of::<PixelSample>() as u64;
+/// Bytes per pixel for what the picture says about its error, and for the
+/// images and layers made at the end.
+const ENDING: u64 = 320;
+
+/// Bytes per pixel: the film's sums, and either a pass's samples, which exist
+/// twice while rows are joined, or what comes after the pass.
+const BYTES_PER_PIXEL: u64 = {
+    let samples = 2 * size_of::<PixelSample>() as u64;
+    Film::BYTES_PER_PIXEL as u64 + if samples > ENDING { samples } else { ENDING }
+};
 
 /// The picture does not fit into the memory budget.
 #[derive(Clone, Copy, Debug, Error, PartialEq, Eq)]

@@ -5,6 +5,7 @@
 //! eight passes, one for each replicate of the sample sequences. The clock
 //! decides only how many passes run.
 
+mod asking;
 mod camera_pass;
 mod camera_walk;
 mod checkpoint;
@@ -32,6 +33,6 @@ pub use memory::TooLarge;
 pub(crate) use memory::{film_bytes, mebibytes};
 pub use part::{MergeFault, Part};
 pub use pass::{PassOutput, Renderer};
-pub use report::{LightReport, Report};
+pub use report::{ErrorReport, LightReport, Report};
 pub use schedule::{REPLICATES, Schedule};
 pub use subject::{LightFacts, Subject};

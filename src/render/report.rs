@@ -4,7 +4,10 @@ use std::fmt;
 
 use serde::Serialize;
 
-use crate::photon::{LightTally, Tally};
+use crate::{
+    metrics::{Figures, Statement},
+    photon::{LightTally, Tally},
+};
 
 /// One light's part in the photon passes. Powers are in W, means over the
 /// colour channels.
@@ -20,6 +23,49 @@ pub struct LightReport {
     pub not_aimed: Option<(f64, f64)>,
     /// The ledger, in W.
     pub ledger: LightTally,
+}
+
+/// What a picture says about its error.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct ErrorReport {
+    /// The relative error that was asked for.
+    pub target: Option<f64>,
+    /// Of all lit pixels.
+    pub lit: Figures,
+    /// Of those that owe more than a tenth of their light to caustics.
+    pub caustics: Option<Figures>,
+}
+
+impl ErrorReport {
+    pub(super) fn of(statement: &Statement, target: Option<f64>) -> Self {
+        Self {
+            target,
+            lit: statement.whole,
+            caustics: statement.caustics,
+        }
+    }
+}
+
+impl fmt::Display for ErrorReport {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Figures {
+            error,
+            bound,
+            noise,
+            bias,
+            ..
+        } = self.lit;
+        let [error, bound, noise, bias] = [error, bound, noise, bias].map(|e| 100.0 * e);
+        write!(
+            f,
+            "error {error:.2} % (noise {noise:.2} %, bias {bias:.2} %), at most {bound:.2} % at 90 %"
+        )?;
+        if let Some(caustics) = &self.caustics {
+            let [error, bound] = [caustics.error, caustics.bound].map(|e| 100.0 * e);
+            write!(f, "; in the caustics {error:.2} %, at most {bound:.2} %")?;
+        }
+        Ok(())
+    }
 }
 
 /// The report of a finished or interrupted render.
@@ -71,6 +117,9 @@ pub struct Report {
     /// replicates: root of the mean of (noise / (value^2 + 0.01 mean^2)^(1/2))
     /// squared. `None` before the second replicate.
     pub noise: Option<f64>,
+    /// What the picture says about its error; `None` before every replicate
+    /// has a pass.
+    pub error: Option<ErrorReport>,
     /// Wall time in seconds; of merged parts the sum.
     pub seconds: f64,
     /// Lights in the order of the scene.
@@ -113,7 +162,7 @@ impl fmt::Display for Report {
         } else {
             write!(f, ", no caustics")?;
         }
-        if let Some(noise) = self.noise {
+        if let (None, Some(noise)) = (&self.error, self.noise) {
             write!(f, ", noise {:.2} %", 100.0 * noise)?;
         }
         if !self.indirect {

@@ -70,6 +70,7 @@ pub(super) fn job(settings: &Settings, resolution: [u32; 2]) -> Job {
         resolution,
         crop: None,
         time: None,
+        error: None,
     }
 }
 

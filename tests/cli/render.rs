@@ -326,3 +326,47 @@ fn a_full_disk_under_the_report_is_a_fault() {
     assert!(text(&output.stderr).contains("standard output"));
     assert_eq!(names(directory.path()), ["a.exr", "scene.ron"]);
 }
+
+#[test]
+fn an_error_that_is_asked_for_is_reached_or_missed() {
+    let directory = workplace();
+    let path = directory.path().join("a.exr");
+    let arguments = ["-o", "a.exr", "--json", "a.json", "--error"];
+    let output = render(directory.path(), &[&arguments[..], &["90%"]].concat());
+    assert_eq!(code(&output), 0, "{}", text(&output.stderr));
+    let last = text(&output.stderr).lines().last().unwrap();
+    assert!(
+        last.starts_with("error ") && last.ends_with("90 % was asked for"),
+        "{last}"
+    );
+    let report = fs::read_to_string(directory.path().join("a.json")).unwrap();
+    let report: serde_json::Value = serde_json::from_str(&report).unwrap();
+    let error = &report["error"];
+    assert_eq!(error["target"], 0.9);
+    assert!(error["lit"]["bound"].as_f64().unwrap() <= 0.9, "{error}");
+    assert_eq!(error["lit"]["bound"], number(&path, "errorBound"));
+    assert!(number(&path, "errorNoise") > 0.0 && number(&path, "causticError") > 0.0);
+    let meta = MetaData::read_from_file(&path, true).unwrap();
+    let channels = &meta.headers[0].channels.list;
+    for name in ["error.noise.R", "error.bias.B"] {
+        assert!(channels.iter().any(|c| c.name.eq(name)), "{name}");
+    }
+
+    let missed = [&arguments[..], &["0.01%", "--passes", "16", "--quiet"]].concat();
+    let output = render(directory.path(), &missed);
+    assert_eq!(code(&output), 4, "{}", text(&output.stderr));
+    assert_eq!(number(&path, "passes"), 16.0);
+
+    let output = render(directory.path(), &["--error", "5", "--quiet"]);
+    assert_eq!(code(&output), 2);
+    assert!(
+        text(&output.stderr).contains("5%"),
+        "{}",
+        text(&output.stderr)
+    );
+    let output = render(
+        directory.path(),
+        &["--error", "5%", "--method", "path", "--quiet"],
+    );
+    assert_eq!(code(&output), 2);
+}

@@ -31,7 +31,7 @@ fn query(p: DVec3, n: DVec3, blind: f64) -> Query {
 }
 
 fn ask(map: &PhotonMap, q: &Query) -> Gathered {
-    map.irradiance(q, |_, _| 1.0)
+    map.irradiance(q, |_, _| [1.0; 3])
 }
 
 /// Photons on the square `[-half, half]^2` of a floor.
@@ -197,8 +197,8 @@ fn vicinity_changes_no_answer() {
             },
             ..query(p, DVec3::new(0.02 * a, 0.0, 1.0).normalize(), 0.0)
         };
-        let near = vicinity.irradiance(&q, || 0.0, |o, e| 1.0 - 0.1 * (o.length() / e.major));
-        let single = map.irradiance(&q, |o, e| 1.0 - 0.1 * (o.length() / e.major));
+        let near = vicinity.irradiance(&q, || 0.0, |o, e| [1.0 - 0.1 * (o.length() / e.major); 3]);
+        let single = map.irradiance(&q, |o, e| [1.0 - 0.1 * (o.length() / e.major); 3]);
         assert_eq!(near.irradiance, single.irradiance, "query {i}");
         assert_eq!(near.bounced, single.bounced, "query {i}");
         assert_eq!(near.accepted, single.accepted, "query {i}");
@@ -227,7 +227,7 @@ fn vast_regions_lose_no_light() {
             ..q
         };
         for _ in 0..3 {
-            let found = vicinity.irradiance(&q, || 0.0, |_, _| 1.0);
+            let found = vicinity.irradiance(&q, || 0.0, |_, _| [1.0; 3]);
             assert!(found.accepted > 0, "spacing {spacing}");
             assert_eq!(found.irradiance, ask(&map, &q).irradiance, "{spacing}");
         }
@@ -250,7 +250,7 @@ fn crowded_regions_search_for_every_query() {
             },
             ..query(p, DVec3::Z, 0.0)
         };
-        let near = vicinity.irradiance(&q, || 0.0, |_, _| 1.0);
+        let near = vicinity.irradiance(&q, || 0.0, |_, _| [1.0; 3]);
         let single = ask(&map, &q);
         assert_eq!(near.irradiance, single.irradiance, "query {i}");
         // The second query finds out.

@@ -93,12 +93,13 @@ impl<'a> Vicinity<'a> {
     /// ellipse and `q < 1` the squared distance in units of them. Kernels
     /// longer than `clear`, which is asked for only where there are photons,
     /// count by a factor: `weigh` is given the offset of the photon and its
-    /// ellipse, and answers 0 where a wall stands between.
+    /// ellipse, and answers for it and for ellipses of half and of a quarter of
+    /// its area; 0 where a wall stands between.
     pub fn irradiance(
         &mut self,
         query: &Query,
         clear: impl Fn() -> f64,
-        weigh: impl Fn(DVec3, &Ellipse) -> f64,
+        weigh: impl Fn(DVec3, &Ellipse) -> [f64; 3],
     ) -> Gathered {
         let mut gathered = Gathered::default();
         let finite = query.p.is_finite() && query.n.is_finite();
@@ -118,6 +119,7 @@ impl<'a> Vicinity<'a> {
             .flatten();
         let back = map.rotation.transpose();
         let mut sums = [[0.0; 3]; 2];
+        let mut narrower = [[0.0; 2]; 2];
         for (c, class) in map.classes().enumerate() {
             let bounced = usize::from(c >= map.caustics.len());
             if bounced == 0 && !query.kernels.caustics {
@@ -126,8 +128,10 @@ impl<'a> Vicinity<'a> {
             let search = &searches[bounced];
             let local = class.local(p);
             let sum = &mut sums[bounced];
+            let less = &mut narrower[bounced];
             let mut add = |block: &Block, kernel: &Reaching| {
                 let mut k = f64::from(kernel.height);
+                let mut narrow = kernel.narrower.map(f64::from);
                 if f64::from(kernel.major) > clear() {
                     let offset = block.position(kernel) - local;
                     let ellipse = Ellipse {
@@ -135,14 +139,22 @@ impl<'a> Vicinity<'a> {
                         major: f64::from(kernel.major),
                         minor: f64::from(kernel.minor),
                     };
-                    k *= weigh(back * offset.as_dvec3(), &ellipse);
+                    let [full, half, quarter] = weigh(back * offset.as_dvec3(), &ellipse);
+                    k *= full;
                     if k <= 0.0 {
                         return;
                     }
+                    narrow[0] *= half;
+                    narrow[1] *= quarter;
                 }
                 gathered.accepted += 1;
-                for (s, f) in sum.iter_mut().zip(block.flux(kernel)) {
-                    *s += k * f64::from(f);
+                let flux = block.flux(kernel).map(f64::from);
+                for (s, f) in sum.iter_mut().zip(flux) {
+                    *s += k * f;
+                }
+                let power = flux[0] + flux[1] + flux[2];
+                for (s, k) in less.iter_mut().zip(narrow) {
+                    *s += k * power;
                 }
             };
             if let Some(r) = region {
@@ -158,6 +170,11 @@ impl<'a> Vicinity<'a> {
                 }
             }
         }
+        for (less, sum) in narrower.iter_mut().zip(sums) {
+            let whole = sum[0] + sum[1] + sum[2];
+            *less = less.map(|s| if whole > 0.0 { s / whole } else { 1.0 });
+        }
+        gathered.narrower = narrower;
         let [caustics, bounced] = sums.map(|s| Rgb(s) * map.per_path);
         gathered.irradiance = caustics;
         gathered.bounced = bounced;

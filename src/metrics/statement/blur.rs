@@ -1,0 +1,201 @@
+//! The bias that kernels leave, from narrower kernels on the same photons.
+//!
+//! Every query evaluates each kernel it meets three times: as it is, and with
+//! half and a quarter of its area. All kernels of a round scale with one
+//! number s, so what the narrower ones find is, in the mean, exactly what the
+//! renderer would find in a later round. Where the blur of a pixel goes like
+//! s^p, the step from s to s / 2^(1/2) shows 1 - r of it, r = 2^(-p/2), and the
+//! next step r (1 - r): the ratio of the steps tells r, and the first step,
+//! over 1 - r, what blur is left. For smooth light p is 2 and r is 1/2; at
+//! folds p is smaller, where light is blurred symmetrically larger.
+//!
+//! The two kernels share their photons, so their difference has far less noise
+//! than that of two renders. What noise it has must not count as bias: the
+//! squares that enter are products of the two halves of the replicates, whose
+//! noise is independent, so that it averages out.
+
+use std::f64::consts::PI;
+
+use rayon::prelude::*;
+
+use crate::{
+    film::{Film, Image, Layer},
+    spectrum::Rgb,
+};
+
+use super::{Ground, box_kernel, convolve, relative};
+use crate::metrics::{convolve::gaussian, plane::Plane};
+
+/// Ratio of the steps for smooth light, and how far a picture's ratio strays
+/// from it (standard deviation): before it is known.
+const USUAL: f64 = 0.5;
+const STRAYS: f64 = 0.15;
+
+/// Bounds of the ratio: of a picture's, and of a neighbourhood's. Blur that
+/// falls more slowly than the largest says cannot be told from light.
+const PICTURE: [f64; 2] = [0.25, 0.85];
+const NEARBY: [f64; 2] = [0.25, 0.9];
+
+/// The picture's ratio counts in a neighbourhood like steps as large as so many
+/// standard deviations of their noise.
+const TRUST: f64 = 20.0;
+
+/// Standard deviations in pixels of the weights with which squared steps are
+/// averaged for a pixel, and for the ratio around it; where they end.
+const OWN: (f64, usize) = (1.0, 2);
+const AROUND: (f64, usize) = (2.0, 4);
+
+/// Pixels along the blocks whose sums tell how sure the picture's sums are:
+/// wider than what kernels correlate.
+pub(super) const BLOCK: usize = 8;
+
+/// The bias of a picture, relative to its brightness.
+pub(super) struct Blur {
+    /// Squared bias of each pixel: right in the mean, and as often below zero
+    /// as above where there is none.
+    pub(super) own: Plane,
+    /// Squared bias, averaged over the nearest pixels.
+    pub(super) pooled: Plane,
+    /// Relative standard deviation of all squares by what is not known of the
+    /// ratio of the steps.
+    pub(super) doubt: f64,
+    /// First step, signed, averaged over the nearest pixels.
+    step: Plane,
+    /// Bias of the colour's mean over the relative bias.
+    scales: Vec<f64>,
+}
+
+impl Blur {
+    pub(super) fn of(film: &Film, ground: &Ground) -> Self {
+        let caustic = film.layer_image(Layer::Caustic);
+        let indirect = film.layer_image(Layer::Indirect);
+        let scales: Vec<f64> = (0..ground.squares.len())
+            .into_par_iter()
+            .map(|i| {
+                let colour = hue(caustic.pixels()[i] + indirect.pixels()[i]);
+                1.0 / relative(colour * colour, ground.squares[i]).sqrt()
+            })
+            .collect();
+        let [even, odd] = [film.blur(0), film.blur(1)];
+        let relative = |half: &[[f64; 2]], i: usize| half[i].map(|step| step / scales[i]);
+        let product = |f: fn([f64; 2], [f64; 2]) -> f64| {
+            ground.plane(|i| match ground.lit[i] {
+                true => f(relative(&even, i), relative(&odd, i)),
+                false => 0.0,
+            })
+        };
+        let firsts = product(|[a, _], [b, _]| a * b);
+        let seconds = product(|[a1, a2], [b1, b2]| 0.5 * (a1 * b2 + a2 * b1));
+        let spread = product(|[a, _], [b, _]| 0.5 * (a - b) * (a - b));
+        let step = ground.plane(|i| 0.5 * (relative(&even, i)[0] + relative(&odd, i)[0]));
+        let (ratio, unsure) = ratio_of(&firsts, &seconds);
+        let growth = growth(&firsts, &seconds, &spread, ratio);
+        let own = Plane::join(&firsts, &growth, |f, g| f * g);
+        let near = gaussian(OWN.1, OWN.0);
+        let nearby = certain(&convolve(&firsts, &near, &near), &spread);
+        Self {
+            pooled: Plane::join(&nearby, &growth, |f, g| f * g),
+            own,
+            doubt: 2.0 * unsure / (1.0 - ratio),
+            step: convolve(&step, &near, &near),
+            scales,
+        }
+    }
+
+    /// The bias of every pixel and channel, in the colour of the light that
+    /// was gathered.
+    pub(super) fn image(&self, film: &Film) -> Image {
+        let caustic = film.layer_image(Layer::Caustic);
+        let indirect = film.layer_image(Layer::Indirect);
+        let light = caustic.pixels().iter().zip(indirect.pixels());
+        let pixels = light.enumerate().map(|(i, (&c, &d))| {
+            let size = self.pooled.values()[i]
+                .sqrt()
+                .copysign(self.step.values()[i]);
+            hue(c + d) * (size * self.scales[i])
+        });
+        Image::new(film.width(), film.height(), pixels.collect())
+    }
+}
+
+/// A colour with a mean of one; grey for black.
+fn hue(colour: Rgb) -> Rgb {
+    let mean = colour.mean();
+    if mean > 0.0 {
+        colour / mean
+    } else {
+        Rgb::WHITE
+    }
+}
+
+/// The ratio of the second step to the first over the whole picture, and its
+/// standard deviation. The estimate of a noisy picture is drawn to the usual
+/// ratio, as Bayes has it for normal distributions.
+fn ratio_of(firsts: &Plane, seconds: &Plane) -> (f64, f64) {
+    let blocks = block_sums(firsts).into_iter().zip(block_sums(seconds));
+    let blocks: Vec<(f64, f64)> = blocks.collect();
+    let first: f64 = blocks.iter().map(|b| b.0).sum();
+    let second: f64 = blocks.iter().map(|b| b.1).sum();
+    if first <= 0.0 {
+        return (USUAL, STRAYS);
+    }
+    let found = (second / first).clamp(0.0, 1.0);
+    let squares: f64 = blocks
+        .iter()
+        .map(|(f, s)| (s - found * f) * (s - found * f))
+        .sum();
+    let variance = squares / (first * first);
+    let trust = STRAYS * STRAYS / (STRAYS * STRAYS + variance);
+    let ratio = USUAL + trust * (found - USUAL);
+    (
+        ratio.clamp(PICTURE[0], PICTURE[1]),
+        (trust * variance).sqrt(),
+    )
+}
+
+/// Of squares averaged over the nearest pixels, what is not likely to be noise:
+/// half of one that is half as large as the standard deviation of its noise.
+fn certain(squares: &Plane, spread: &Plane) -> Plane {
+    let spread = convolve(spread, &box_kernel(2), &box_kernel(2));
+    let noise = 0.5 / averaged(OWN.0).sqrt();
+    Plane::join(squares, &spread, |s, v| {
+        if s > 0.0 {
+            s * s / (s + noise * v)
+        } else {
+            0.0
+        }
+    })
+}
+
+/// As many independent pixels as Gaussian weights of this width average over.
+fn averaged(sigma: f64) -> f64 {
+    4.0 * PI * sigma * sigma
+}
+
+/// The factor from the squared step to the squared bias, by the ratio of the
+/// steps around every pixel.
+fn growth(firsts: &Plane, seconds: &Plane, spread: &Plane, ratio: f64) -> Plane {
+    let wide = gaussian(AROUND.1, AROUND.0);
+    let [firsts, seconds] = [firsts, seconds].map(|p| convolve(p, &wide, &wide));
+    let spread = convolve(spread, &box_kernel(2), &box_kernel(2));
+    let prior = TRUST / averaged(AROUND.0).sqrt();
+    let ratios = Plane::join(&seconds, &spread, |s, v| s + prior * v * ratio);
+    let weights = Plane::join(&firsts, &spread, |f, v| f.max(0.0) + prior * v);
+    Plane::join(&ratios, &weights, |r, w| {
+        let near = if w > 0.0 { r / w } else { ratio };
+        let near = near.clamp(NEARBY[0], NEARBY[1]);
+        1.0 / ((1.0 - near) * (1.0 - near))
+    })
+}
+
+/// Sums over the blocks of a plane.
+pub(super) fn block_sums(plane: &Plane) -> Vec<f64> {
+    let columns = plane.width().div_ceil(BLOCK);
+    let mut sums = vec![0.0; columns * plane.height().div_ceil(BLOCK)];
+    for y in 0..plane.height() {
+        for (x, value) in plane.row(y).iter().enumerate() {
+            sums[y / BLOCK * columns + x / BLOCK] += value;
+        }
+    }
+    sums
+}

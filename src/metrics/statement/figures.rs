@@ -1,0 +1,135 @@
+//! The error of a region, in figures.
+
+use serde::Serialize;
+
+use crate::film::REPLICATES;
+
+use super::{
+    blur::{Blur, block_sums},
+    noise::{Noise, one_sided},
+    spread::Spread,
+};
+use crate::metrics::plane::Plane;
+
+/// Part of the pixels that may be worse than all that is said: single sparks
+/// rule a mean of squares, and how bright the brightest are no sample tells.
+const WORST: f64 = 0.001;
+
+/// A normal deviate exceeds this with a probability of 0.1.
+const NORMAL: f64 = 1.281_551_565_544_600_4;
+
+/// The error of the lit pixels of a region; all numbers but `pixels` relative,
+/// 0.05 for 5 %.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Figures {
+    /// How many pixels are lit.
+    pub pixels: usize,
+    /// Root of the relMSE without the worst 0.1 % of the pixels, as expected.
+    pub error: f64,
+    /// The same at 90 %: what `--error` holds against its target.
+    pub bound: f64,
+    /// The part of `error` that is noise.
+    pub noise: f64,
+    /// The part of `error` that is bias.
+    pub bias: f64,
+    /// Root of the relMSE of all pixels, as expected.
+    pub error_of_all: f64,
+    /// The same at 90 %.
+    pub bound_of_all: f64,
+    /// 95 % of the pixels have no larger error.
+    pub percentile_95: f64,
+    /// 99 % of the pixels have no larger error.
+    pub percentile_99: f64,
+    /// Part of the pixels whose error is expected to exceed the target, if
+    /// there is one.
+    pub outside: Option<f64>,
+}
+
+/// A mean square, and what it is at most at 90 %.
+struct Square {
+    noise: f64,
+    bias: f64,
+    bound: f64,
+}
+
+impl Figures {
+    /// The figures of a `region`; `None` where it has no pixels. `total` holds
+    /// the squared errors of the pixels, pooled.
+    pub(super) fn of(
+        (noise, blur, total): (&Noise, &Blur, &Plane),
+        region: &[bool],
+        target: Option<f64>,
+    ) -> Option<Self> {
+        let expected = |i: &usize| noise.own.values()[*i] + blur.pooled.values()[*i];
+        let mut all: Vec<usize> = (0..region.len()).filter(|&i| region[i]).collect();
+        if all.is_empty() {
+            return None;
+        }
+        let of_all = Square::of(noise, blur, &all);
+        let spread = Spread::of(all.iter().map(|&i| total.values()[i]));
+        all.sort_by(|a, b| expected(a).total_cmp(&expected(b)).then(a.cmp(b)));
+        let pixels = all.len();
+        // Rounded down, as `relmse_trimmed` has it; at least one stays.
+        all.truncate(((pixels as f64 * (1.0 - WORST)) as usize).max(1));
+        let kept = Square::of(noise, blur, &all);
+        Some(Self {
+            pixels,
+            error: (kept.noise + kept.bias).sqrt(),
+            bound: kept.bound.sqrt(),
+            noise: kept.noise.sqrt(),
+            bias: kept.bias.sqrt(),
+            error_of_all: (of_all.noise + of_all.bias).sqrt(),
+            bound_of_all: of_all.bound.sqrt(),
+            percentile_95: spread.quantile(0.95),
+            percentile_99: spread.quantile(0.99),
+            outside: target.map(|target| spread.beyond(target)),
+        })
+    }
+}
+
+impl Square {
+    /// Means over these pixels. What noise this picture has in all differs from
+    /// the mean over pictures as much as the squared deviations of the
+    /// replicates differ from each other: that bound holds whatever
+    /// correlates the noise of neighbours, and for rare sparks.
+    fn of(noise: &Noise, blur: &Blur, pixels: &[usize]) -> Self {
+        let count = pixels.len() as f64;
+        let mut deviations = [0.0; REPLICATES];
+        let (mut bias, mut sum) = (blur.own.zeros(), 0.0);
+        for &i in pixels {
+            sum += noise.own.values()[i];
+            for (sum, deviation) in deviations.iter_mut().zip(noise.deviations[i]) {
+                *sum += deviation;
+            }
+            bias.values_mut()[i] = blur.own.values()[i];
+        }
+        let noise = sum / count;
+        let scatter = coefficient_of_variation(&deviations);
+        // The deviation of one more, of which eight tell mean and spread.
+        let more = 1.0 + 1.0 / REPLICATES as f64;
+        let noise_more = noise * one_sided() * scatter * more.sqrt();
+        let blocks = block_sums(&bias);
+        let sum: f64 = blocks.iter().sum();
+        let bias = (sum / count).max(0.0);
+        let by_blocks = blocks.iter().map(|b| b * b).sum::<f64>().sqrt() / count;
+        let by_ratio = blur.doubt * bias;
+        let bias_more = NORMAL * (by_blocks * by_blocks + by_ratio * by_ratio).sqrt();
+        let more = (noise_more * noise_more + bias_more * bias_more).sqrt();
+        Self {
+            noise,
+            bias,
+            bound: noise + bias + more,
+        }
+    }
+}
+
+/// Standard deviation over mean; zero where all is.
+fn coefficient_of_variation(values: &[f64; REPLICATES]) -> f64 {
+    let mean = values.iter().sum::<f64>() / REPLICATES as f64;
+    let squares: f64 = values.iter().map(|v| (v - mean) * (v - mean)).sum();
+    if mean > 0.0 {
+        (squares / (REPLICATES - 1) as f64).sqrt() / mean
+    } else {
+        0.0
+    }
+}

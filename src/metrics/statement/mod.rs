@@ -1,0 +1,163 @@
+//! What a picture says about its own error, from the sums of its film alone.
+//!
+//! The error of a pixel is the root of the mean over its channels of
+//! (x - truth)^2 / (x~^2 + 0.01 mean^2), where x~ is the picture itself,
+//! smoothed, since the truth is not known: so [`relmse`](super::relmse) has it
+//! but for that. Two things make it up:
+//!
+//! - *noise*, the spread of the eight replicates (`noise`);
+//! - *bias*, the blur of the kernels that gather photons, from what narrower
+//!   kernels find of the same photons (`blur`).
+//!
+//! A *lit* pixel is one around which, in 5 x 5 pixels, the mean is above a
+//! hundredth of the picture's. Dark ones are left out: a black background would
+//! make every picture look better. The *caustic region* is made of the lit
+//! pixels that owe more than a tenth of their light to the caustic layer.
+//!
+//! "At 90 %" means: with a probability of 0.9 the error is no larger. Of the
+//! whole picture that is a bound for the error of *this* picture, not for the
+//! mean over many. `docs/accuracy.md` has the experiment that checks it.
+
+mod blur;
+mod figures;
+mod noise;
+mod spread;
+
+use rayon::prelude::*;
+
+use super::{
+    convolve::{convolve, kernel, normalized},
+    plane::Plane,
+};
+use crate::{
+    film::{Film, Image, Layer},
+    spectrum::Rgb,
+};
+
+pub use figures::Figures;
+
+/// A pixel is lit where the mean around it is above this part of the
+/// picture's.
+const LIT: f64 = 0.01;
+
+/// A lit pixel belongs to the caustic region where the caustic layer holds
+/// more than this part of its light.
+const CAUSTIC: f64 = 0.1;
+
+/// Weight of the squared mean in the denominator of relative errors.
+const MEAN_WEIGHT: f64 = 0.01;
+
+/// What a picture says about its own error.
+#[derive(Clone, Debug)]
+pub struct Statement {
+    /// Standard error of the picture, W/m2/sr.
+    pub noise: Image,
+    /// Size of the bias that is left in the picture, W/m2/sr: above zero where
+    /// the picture is too bright, below where it is too dark. What of it is
+    /// certain: where noise hides it, it is zero.
+    pub bias: Image,
+    /// Relative error of every pixel at 90 %.
+    pub bound: Plane,
+    /// Which pixels are lit.
+    pub lit: Vec<bool>,
+    /// Which pixels belong to the caustic region.
+    pub caustic: Vec<bool>,
+    /// The error of all lit pixels.
+    pub whole: Figures,
+    /// The error of the caustic region, if there is one.
+    pub caustics: Option<Figures>,
+}
+
+/// The picture to which errors are set in relation.
+struct Ground {
+    /// Squares of the denominators, per pixel and channel; zero only where
+    /// the whole picture is black.
+    squares: Vec<Rgb>,
+    lit: Vec<bool>,
+    caustic: Vec<bool>,
+    width: usize,
+    height: usize,
+}
+
+impl Statement {
+    /// What `film` says about its error; `target` is a relative error of which
+    /// it is to be said how many pixels exceed it. `None` before every
+    /// replicate has a pass, or of a black picture.
+    pub fn of(film: &Film, target: Option<f64>) -> Option<Self> {
+        if film.replicate_passes().contains(&0) {
+            return None;
+        }
+        let ground = Ground::of(film)?;
+        let noise = noise::Noise::of(film, &ground);
+        let blur = blur::Blur::of(film, &ground);
+        let total = Plane::join(&noise.pooled, &blur.pooled, |n, b| n + b);
+        let quantile = noise::two_sided();
+        let figures = |region: &[bool]| Figures::of((&noise, &blur, &total), region, target);
+        Some(Self {
+            whole: figures(&ground.lit)?,
+            caustics: figures(&ground.caustic),
+            noise: noise.image(film, &ground),
+            bias: blur.image(film),
+            bound: Plane::join(&total, &total, |t, _| quantile * t.sqrt()),
+            lit: ground.lit,
+            caustic: ground.caustic,
+        })
+    }
+}
+
+impl Ground {
+    fn of(film: &Film) -> Option<Self> {
+        let (width, height) = (film.width() as usize, film.height() as usize);
+        let image = film.image();
+        let mean = image.mean().mean();
+        if mean.is_nan() || mean <= 0.0 {
+            return None;
+        }
+        let floor = MEAN_WEIGHT * mean * mean;
+        // Without the darkest and the brightest replicate: a spark would hide
+        // itself in its own denominator.
+        let steady: Vec<Rgb> = (0..width * height)
+            .into_par_iter()
+            .map(|i| noise::without_extremes(&film.replicates_at(i)))
+            .collect();
+        let near = box_kernel(1);
+        let smooth: [Plane; 3] = [0, 1, 2].map(|c| {
+            let plane = Plane::new(width, height, steady.iter().map(|p| p[c]).collect());
+            convolve(&plane, &near, &near)
+        });
+        let squares = (0..width * height)
+            .map(|i| Rgb([0, 1, 2].map(|c| smooth[c].values()[i])))
+            .map(|x| x * x + Rgb::grey(floor))
+            .collect();
+        let around = box_kernel(2);
+        let bright = convolve(&Plane::of(&image, Rgb::mean), &around, &around);
+        let lit: Vec<bool> = bright.values().iter().map(|&b| b > LIT * mean).collect();
+        let caustics = film.layer_image(Layer::Caustic);
+        let shares = caustics.pixels().iter().zip(image.pixels());
+        let caustic = shares.zip(&lit);
+        let caustic = caustic.map(|((c, all), &lit)| lit && c.mean() > CAUSTIC * all.mean());
+        Some(Self {
+            squares,
+            caustic: caustic.collect(),
+            lit,
+            width,
+            height,
+        })
+    }
+
+    /// A plane of what `f` makes of each pixel's number.
+    fn plane(&self, f: impl Fn(usize) -> f64 + Sync + Send) -> Plane {
+        let values = (0..self.squares.len()).into_par_iter().map(f).collect();
+        Plane::new(self.width, self.height, values)
+    }
+}
+
+/// The mean over so many pixels to either side.
+fn box_kernel(radius: usize) -> Vec<f64> {
+    normalized(kernel(radius, |_| 1.0)).0
+}
+
+/// The mean over the channels of `squares` over those of the denominators.
+fn relative(squares: Rgb, denominators: Rgb) -> f64 {
+    Rgb([0, 1, 2].map(|c| squares[c] / denominators[c])).mean()
+}
