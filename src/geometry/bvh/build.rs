@@ -3,10 +3,13 @@
 //! *Parallel Reinsertion for Bounding Volume Hierarchy Optimization*, Computer
 //! Graphics Forum 37(2), 2018) with its steps.
 //!
-//! Where a node had better be is searched for by all threads; nodes are moved
-//! one after the other. The crate's own way to do so in parallel leaves open
-//! the order of nodes of equal area, so that the tree could depend on the
-//! number of threads. Here equal ones are in the order of their numbers.
+//! The crate clusters with all threads, and its results do not depend on them:
+//! costs are worked out for each box alone, and rayon's unstable sort cuts its
+//! list in ways that the list alone decides. Its reinsertion in parallel is
+//! another matter: it sorts by areas with a radix sort that chooses its way by
+//! the number of threads, so that among nodes of equal area any may come first.
+//! Here all threads search where a node had better be, equal ones are in the
+//! order of their numbers, and nodes are moved one after the other.
 
 use obvhs::{
     BvhBuildParams,
