@@ -1,32 +1,33 @@
 //! A long hunt for leaks: rays from inside closed meshes at their edges and
 //! vertices, and rays that leave each analytic surface from its own points,
-//! judged in 32 digits or, for shapes of which a formula tells what is inside,
-//! by that. Says how many of each were shot and went wrong; fails if any did.
+//! judged by polynomials in 32 digits. Says how many of each were shot and went
+//! wrong; fails if any did.
 //!
 //! `cargo bench --bench leaks -- 1e9 1e8` shoots 1e9 rays in meshes and 1e8
 //! from every kind of surface; a million in meshes and a hundred thousand from
-//! every kind if nothing is said.
+//! every kind if nothing is said. `-- 0 1e8 torus lens` names the kinds.
 
+#[path = "../tests/geometry/along.rs"]
+mod along;
+#[path = "../tests/geometry/composed.rs"]
+mod composed;
 #[allow(dead_code, reason = "a module of the tests, of which this uses a part")]
 #[path = "../tests/geometry/exact.rs"]
 mod exact;
+#[path = "../tests/geometry/kinds.rs"]
+mod kinds;
 #[allow(dead_code, reason = "a module of the tests, of which this uses a part")]
-#[path = "../tests/geometry/hunt.rs"]
-mod hunt;
-#[allow(dead_code, reason = "a module of the tests, of which this uses a part")]
-#[path = "../tests/geometry/known.rs"]
-mod known;
 #[path = "../tests/geometry/leaks.rs"]
 mod leaks;
 #[allow(dead_code, reason = "a module of the tests, of which this uses a part")]
 #[path = "../tests/geometry/scenes.rs"]
 mod scenes;
+#[path = "../tests/geometry/truth.rs"]
+mod truth;
 
 use std::process::ExitCode;
 
-use hunt::hunt_known;
-use known::KIND_NAMES;
-use leaks::{Bag, SURFACES, hunt_meshes, hunt_surface};
+use leaks::{Bag, hunt_meshes, hunt_surface, surfaces};
 use rayon::prelude::*;
 
 /// Rays of one job.
@@ -39,25 +40,27 @@ fn main() -> ExitCode {
         .map(|n| n as u64);
     let in_meshes = counts.next().unwrap_or(1_000_000);
     let per_surface = counts.next().unwrap_or(100_000);
-    report("surface                    rays   undecided    missed  false hits");
+    report("surface                        rays   undecided    missed  false hits");
     let mut leaks = 0;
     let mut tell = |name: &str, bag: Bag| {
         leaks += bag.leaks();
         report(&format!(
-            "{name:<16} {:>14} {:>11} {:>9} {:>11}",
+            "{name:<20} {:>14} {:>11} {:>9} {:>11}",
             bag.rays, bag.undecided, bag.missed, bag.false_hits
         ));
     };
-    tell(
-        "mesh",
-        jobs(in_meshes, |seed| hunt_meshes(seed, JOB, 10_000)),
-    );
-    for (kind, name) in SURFACES.iter().enumerate() {
-        let bag = jobs(per_surface, |seed| hunt_surface(kind, seed, JOB));
-        tell(name, bag);
+    if in_meshes > 0 {
+        tell(
+            "mesh",
+            jobs(in_meshes, |seed| hunt_meshes(seed, JOB, 10_000)),
+        );
     }
-    for (kind, name) in (0..).zip(KIND_NAMES) {
-        let bag = jobs(per_surface, |seed| hunt_known(kind, seed, JOB));
+    let wanted: Vec<String> = std::env::args()
+        .skip(1)
+        .filter(|a| a.parse::<f64>().is_err() && !a.starts_with('-'))
+        .collect();
+    for name in surfaces().filter(|&n| wanted.is_empty() || wanted.iter().any(|w| w == n)) {
+        let bag = jobs(per_surface, |seed| hunt_surface(name, seed, JOB));
         tell(name, bag);
     }
     if leaks == 0 {

@@ -15,13 +15,15 @@
 //! 12 of them are added to every box, the rest being for the advance. Leaves
 //! are tested in `f64` by the caller.
 
+mod build;
 mod fold;
 mod node;
 
 use std::ops::Range;
 
 use glam::{DVec3, Vec4};
-use obvhs::{BvhBuildParams, bvh2::builder::build_bvh2};
+use obvhs::BvhBuildParams;
+use rayon::prelude::*;
 
 use self::{
     fold::{fold, stack_need},
@@ -35,6 +37,9 @@ pub use self::node::{MAX_PRIMITIVES, WIDTH};
 /// Stack entries that fit without allocation; deeper trees, which only
 /// pathological scenes give, allocate.
 const STACK: usize = 96;
+
+/// So many primitives are looked at by one thread at a time.
+const CHUNK: usize = 1 << 12;
 
 /// A tree over primitives that the caller keeps, in the order of their slots.
 #[derive(Clone, Debug)]
@@ -62,9 +67,19 @@ impl Bvh {
     /// # Panics
     ///
     /// If `count` exceeds [`MAX_PRIMITIVES`].
-    pub fn build(count: usize, per_leaf: u32, bounds: impl Fn(usize) -> Aabb) -> (Self, Vec<u32>) {
+    pub fn build(
+        count: usize,
+        per_leaf: u32,
+        bounds: impl Fn(usize) -> Aabb + Sync,
+    ) -> (Self, Vec<u32>) {
         assert!(count <= MAX_PRIMITIVES, "too many primitives for one tree");
-        let whole = (0..count).fold(Aabb::EMPTY, |b, i| b.union(bounds(i)));
+        // In chunks of one size: the sign of a zero might depend on the order.
+        let wholes: Vec<_> = (0..count.div_ceil(CHUNK))
+            .into_par_iter()
+            .map(|i| i * CHUNK..count.min((i + 1) * CHUNK))
+            .map(|chunk| chunk.fold(Aabb::EMPTY, |b, i| b.union(bounds(i))))
+            .collect();
+        let whole = wholes.into_iter().fold(Aabb::EMPTY, Aabb::union);
         let space = NodeSpace::around(&whole);
         if count == 0 {
             return (
@@ -76,12 +91,16 @@ impl Bvh {
                 Vec::new(),
             );
         }
-        let boxes: Vec<_> = (0..count).map(|i| space.aabb(&bounds(i))).collect();
+        let boxes: Vec<_> = (0..count)
+            .into_par_iter()
+            .with_min_len(CHUNK)
+            .map(|i| space.aabb(&bounds(i)))
+            .collect();
         let params = BvhBuildParams {
             max_prims_per_leaf: per_leaf.clamp(1, MAX_PER_LEAF),
             ..BvhBuildParams::medium_build()
         };
-        let binary = build_bvh2(&boxes, params, &mut std::time::Duration::default());
+        let binary = build::build(&boxes, params);
         drop(boxes);
         let (nodes, order) = fold(&binary);
         let stack_need = stack_need(&nodes);

@@ -8,7 +8,7 @@ use nephroid::geometry::{
 };
 use std::sync::Arc;
 
-use crate::scenes::Random;
+use crate::scenes::{Random, instance};
 
 /// A shape, and a function that is negative inside, positive outside, and near
 /// the surface about as large as the distance from it.
@@ -111,10 +111,6 @@ pub(crate) fn known(random: &mut Random, kind: u64, at: DVec3, size: f64) -> Kno
         8 | 9 => torus(random, at, size, if kind % KINDS == 9 { 0.02 } else { 0.6 }),
         _ => drilled(random, at, size),
     }
-}
-
-pub(crate) fn instance(shape: Shape) -> Body {
-    Body::of(shape, None)
 }
 
 fn ellipsoid(random: &mut Random, at: DVec3, size: f64) -> Known {

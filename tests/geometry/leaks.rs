@@ -7,15 +7,16 @@ use std::sync::Arc;
 use glam::DVec3;
 use nephroid::{
     geometry::{
-        Ray, Shape, SurfacePoint, TriangleMesh, World,
-        shape::{Cylinder, Disc, Plane, Quad, Sphere, Triangle},
+        Ray, Shape, SurfacePoint, TriangleMesh,
+        shape::{Disc, Plane, Quad, Triangle},
     },
     numeric::Frame,
 };
 
 use crate::{
-    exact::{Dd, Vec3Dd, dot, sub, vec},
+    kinds::{KIND_NAMES, kind},
     scenes::{Random, single, sphere_mesh},
+    truth::Truth,
 };
 
 /// Sizes and distances from the origin that are tried in turn, in metres.
@@ -87,26 +88,30 @@ pub(crate) fn hunt_meshes(seed: u64, count: u64, per_mesh: u64) -> Bag {
     bag
 }
 
+/// Flat surfaces: a line that leaves one never meets it again.
+const FLAT: [&str; 4] = ["plane", "quad", "disc", "triangle"];
+
 /// The surfaces that [`hunt_surface`] knows.
-pub(crate) const SURFACES: [&str; 7] = [
-    "plane", "quad", "disc", "triangle", "sphere", "cylinder", "tube",
-];
+pub(crate) fn surfaces() -> impl Iterator<Item = &'static str> {
+    FLAT.into_iter().chain(KIND_NAMES)
+}
 
 /// Shoots `count` rays from points of surfaces of a kind; what they should
 /// meet is worked out in 32 digits from the shape's own numbers.
-pub(crate) fn hunt_surface(kind: usize, seed: u64, count: u64) -> Bag {
-    hunt_judged(kind, kind, seed, count)
+pub(crate) fn hunt_surface(name: &str, seed: u64, count: u64) -> Bag {
+    hunt_judged(name, name, 1.0, seed, count)
 }
 
-/// The same, judged as if the surfaces were of another kind.
-pub(crate) fn hunt_judged(kind: usize, truth: usize, seed: u64, count: u64) -> Bag {
+/// The same, judged as if the surfaces were of another kind, or larger by a
+/// factor.
+pub(crate) fn hunt_judged(name: &str, as_if: &str, factor: f64, seed: u64, count: u64) -> Bag {
     let mut random = Random(seed);
     let mut bag = Bag::default();
     while bag.rays < count {
         let size = SCALES[random.below(6) as usize];
         let at = random.direction() * SHIFTS[random.below(5) as usize];
-        let (_, truth) = surface(&mut Random(random.0), truth, at, size);
-        let (shape, _) = surface(&mut random, kind, at, size);
+        let (_, truth) = surface(&mut Random(random.0), as_if, at, size * factor);
+        let (shape, _) = surface(&mut random, name, at, size);
         let world = single(shape, None);
         for _ in 0..64 {
             let from = at + random.direction() * size * random.range(0.0, 5.0);
@@ -116,210 +121,46 @@ pub(crate) fn hunt_judged(kind: usize, truth: usize, seed: u64, count: u64) -> B
                 continue;
             };
             let point = world.surface(&ray, &hit);
-            bag = bag.plus(leave(&mut random, &world, &point, &truth));
+            let dir = away(&mut random, &point);
+            bag = bag.plus(match &truth {
+                Some(truth) => truth.judge(&world, &point, dir),
+                None => Bag {
+                    rays: 1,
+                    false_hits: u64::from(
+                        world.closest(&point.spawn(dir), f64::INFINITY).is_some(),
+                    ),
+                    ..Bag::default()
+                },
+            });
         }
     }
     bag
 }
 
-/// One ray away from a point, near the tangent plane now and then.
-fn leave(random: &mut Random, world: &World, point: &SurfacePoint, truth: &Truth) -> Bag {
-    let mut dir = random.direction();
+/// A direction, near the tangent plane now and then.
+fn away(random: &mut Random, point: &SurfacePoint) -> DVec3 {
+    let dir = random.direction();
     if random.below(2) == 0 {
-        let lift = libm::exp10(random.range(-12.0, 0.0)) * random.range(-1.0, 1.0);
-        dir = (dir - point.ng * dir.dot(point.ng) + point.ng * lift).normalize();
+        return dir;
     }
-    let ray = point.spawn(dir);
-    let found = world.closest(&ray, f64::INFINITY).map(|hit| hit.t);
-    let mut bag = Bag {
-        rays: 1,
-        ..Bag::default()
-    };
-    match (truth.ahead(&ray, point), found) {
-        (Ahead::Undecided, _) => bag.undecided = 1,
-        (Ahead::Nothing, None) => {}
-        (Ahead::Nothing, Some(_)) => bag.false_hits = 1,
-        (Ahead::At(_), None) => bag.missed = 1,
-        (Ahead::At(t), Some(found)) => bag.false_hits = u64::from(found < 0.5 * t),
+    let lift = libm::exp10(random.range(-12.0, 0.0)) * random.range(-1.0, 1.0);
+    (dir - point.ng * dir.dot(point.ng) + point.ng * lift).normalize()
+}
+
+/// A surface, and what it is unless it is flat.
+fn surface(random: &mut Random, name: &str, at: DVec3, size: f64) -> (Shape, Option<Truth>) {
+    if !FLAT.contains(&name) {
+        let (shape, truth) = kind(random, name, at, size);
+        return (shape, Some(truth));
     }
-    bag
-}
-
-/// What a shape is, for the slow way.
-enum Truth {
-    Flat,
-    Sphere {
-        center: DVec3,
-        radius: f64,
-    },
-    Cylinder {
-        base: DVec3,
-        end: DVec3,
-        radius: f64,
-        capped: bool,
-    },
-}
-
-/// What a ray meets on its way.
-enum Ahead {
-    Nothing,
-    At(f64),
-    Undecided,
-}
-
-fn surface(random: &mut Random, kind: usize, at: DVec3, size: f64) -> (Shape, Truth) {
     let frame = Frame::around(random.direction());
     let radius = size * random.range(0.3, 1.0);
     let (u, v) = (frame.s * size, frame.t * radius);
-    match SURFACES[kind] {
-        "plane" => (Shape::Plane(Plane::new(at, frame.n)), Truth::Flat),
-        "quad" => (Shape::Quad(Quad::new(at, u, v)), Truth::Flat),
-        "disc" => (Shape::Disc(Disc::new(at, frame.n, radius)), Truth::Flat),
-        "triangle" => (
-            Shape::Triangle(Triangle::new(at, at + u, at + v)),
-            Truth::Flat,
-        ),
-        "sphere" => (
-            Shape::Sphere(Sphere::new(at, radius)),
-            Truth::Sphere { center: at, radius },
-        ),
-        kind => {
-            let (end, capped) = (at + frame.n * size, kind == "cylinder");
-            let truth = Truth::Cylinder {
-                base: at,
-                end,
-                radius,
-                capped,
-            };
-            (
-                Shape::Cylinder(Cylinder::new(at, end, radius, capped)),
-                truth,
-            )
-        }
-    }
-}
-
-impl Truth {
-    fn ahead(&self, ray: &Ray, from: &SurfacePoint) -> Ahead {
-        match *self {
-            Self::Flat => Ahead::Nothing,
-            Self::Sphere { center, radius } => {
-                let o = sub(vec(ray.origin), vec(center));
-                far_root(o, vec(ray.dir), radius, from.error)
-            }
-            Self::Cylinder {
-                base,
-                end,
-                radius,
-                capped,
-            } => Barrel {
-                base: vec(base),
-                axis: sub(vec(end), vec(base)),
-                radius,
-                capped,
-            }
-            .ahead(ray, from),
-        }
-    }
-}
-
-/// The other root of a quadric on which the ray starts: the sum of both is
-/// `-2 h / a`. A start that is `error` off the surface moves chords shorter
-/// than `2 sqrt(2 error radius)`; twice that is left out.
-fn far_root(o: Vec3Dd, d: Vec3Dd, radius: f64, error: f64) -> Ahead {
-    let (h, a) = (dot(o, d), dot(d, d));
-    let t = (h / a).round() * -2.0;
-    let unsure = 4.0 * (2.0 * error * radius).sqrt();
-    if t.abs() * a.round().sqrt() <= unsure {
-        return Ahead::Undecided;
-    }
-    if t > 0.0 {
-        Ahead::At(t)
-    } else {
-        Ahead::Nothing
-    }
-}
-
-/// A cylinder in 32 digits.
-struct Barrel {
-    base: Vec3Dd,
-    axis: Vec3Dd,
-    radius: f64,
-    capped: bool,
-}
-
-impl Barrel {
-    fn ahead(&self, ray: &Ray, from: &SurfacePoint) -> Ahead {
-        let (o, d) = (sub(vec(ray.origin), self.base), vec(ray.dir));
-        let length2 = dot(self.axis, self.axis);
-        let length = length2.round().sqrt();
-        // Along the axis, and what is left across it.
-        let split = |v: Vec3Dd| {
-            let z = dot(v, self.axis) / length2;
-            let across: Vec3Dd = std::array::from_fn(|i| v[i] - self.axis[i] * z);
-            (z, across)
-        };
-        let ((oz, op), (dz, dp)) = (split(o), split(d));
-        let margin = 8.0 * from.error;
-        let depth = oz.round().min(1.0 - oz.round()) * length;
-        let rim = self.radius - dot(op, op).round().sqrt();
-        // Where side and cap meet, the error decides which of them it is.
-        let on_side = from.surface.part == 0;
-        if on_side && depth.abs() <= margin || !on_side && rim.abs() <= margin {
-            return Ahead::Undecided;
-        }
-        let side = if on_side {
-            far_root(op, dp, self.radius, from.error)
-        } else {
-            self.side_from_within(op, dp)
-        };
-        if !self.capped {
-            let Ahead::At(t) = side else { return side };
-            let z = (oz + dz * Dd::of(t)).round();
-            let slope = (dz.round() * length).abs() / dot(dp, dp).round().sqrt();
-            // The far end of the chord moves by the error over its cosine.
-            let unsure = margin * (1.0 + slope) * (1.0 + self.radius / (0.5 * t));
-            return match z.min(1.0 - z) * length {
-                gap if gap.abs() <= unsure => Ahead::Undecided,
-                gap if gap > 0.0 => side,
-                _ => Ahead::Nothing,
-            };
-        }
-        let cap = match dz.round() {
-            z if z > 0.0 => ((Dd::of(1.0) - oz) / dz).round(),
-            z if z < 0.0 => (Dd::of(0.0) - oz / dz).round(),
-            _ => f64::INFINITY,
-        };
-        if on_side {
-            return match side {
-                Ahead::At(t) => Ahead::At(t.min(cap)),
-                other => other,
-            };
-        }
-        // From a cap: inward, or away from it for good.
-        let outward = if from.surface.part == 2 { 1.0 } else { -1.0 };
-        let steep = dz.round() * length * outward;
-        if steep.abs() <= 16.0 * f64::EPSILON {
-            return Ahead::Undecided;
-        }
-        match side {
-            _ if steep > 0.0 => Ahead::Nothing,
-            Ahead::At(t) => Ahead::At(t.min(cap)),
-            _ => Ahead::At(cap),
-        }
-    }
-
-    /// Where a ray that starts within the round wall meets it.
-    fn side_from_within(&self, o: Vec3Dd, d: Vec3Dd) -> Ahead {
-        let a = dot(d, d);
-        if a.round() == 0.0 {
-            return Ahead::Nothing;
-        }
-        let (h, k) = (
-            dot(o, d),
-            dot(o, o) - Dd::of(self.radius) * Dd::of(self.radius),
-        );
-        let root = (h * h - a * k).sqrt();
-        Ahead::At(((root - h) / a).round())
-    }
+    let shape = match name {
+        "plane" => Shape::Plane(Plane::new(at, frame.n)),
+        "quad" => Shape::Quad(Quad::new(at, u, v)),
+        "disc" => Shape::Disc(Disc::new(at, frame.n, radius)),
+        _ => Shape::Triangle(Triangle::new(at, at + u, at + v)),
+    };
+    (shape, None)
 }

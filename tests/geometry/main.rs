@@ -1,10 +1,12 @@
 //! The geometry room from outside: fast against slow, rays that leave
 //! surfaces, cracks, stated errors, scale and place.
 
+mod along;
+mod composed;
 mod curved;
 mod equivalence;
 mod exact;
-mod hunt;
+mod kinds;
 mod known;
 mod leaks;
 mod leaving;
@@ -12,5 +14,6 @@ mod place;
 mod precision;
 mod scenes;
 mod solids;
+mod truth;
 mod turning;
 mod watertight;

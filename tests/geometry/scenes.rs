@@ -300,6 +300,11 @@ pub(crate) fn grid_mesh(random: &mut Random, n: u32, height: f64) -> (TriangleMe
     )
 }
 
+/// A shape as part of a solid.
+pub(crate) fn instance(shape: Shape) -> Body {
+    Body::of(shape, None)
+}
+
 /// A world of one shape.
 pub(crate) fn single(shape: Shape, transform: Option<Transform>) -> World {
     World::new(vec![Instance { shape, transform }])

@@ -12,10 +12,7 @@ use nephroid::{
     transport::{Carried, Lobe, Lobes, lobes},
 };
 
-use crate::{
-    known::instance,
-    scenes::{Random, single},
-};
+use crate::scenes::{Random, instance, single};
 
 fn cuboid(min: [f64; 3], max: [f64; 3]) -> Body {
     instance(Shape::Cuboid(Cuboid::new(Aabb {

@@ -6,7 +6,7 @@ use glam::{DAffine3, DVec3};
 use nephroid::geometry::{Ray, Shape, Surface, Transform, TriangleMesh, World};
 
 use crate::{
-    leaks::{SURFACES, hunt_judged, hunt_meshes, hunt_surface},
+    leaks::{hunt_judged, hunt_meshes, hunt_surface, surfaces},
     scenes::{Random, grid_mesh, single, sphere_mesh},
 };
 
@@ -62,23 +62,29 @@ fn no_ray_escapes_at_any_scale_and_place() {
 /// Rays leave each surface from its own points and meet what they should.
 #[test]
 fn surfaces_are_left_and_met_as_they_should() {
-    for (kind, name) in SURFACES.iter().enumerate() {
-        let bag = hunt_surface(kind, 5, 20_000);
+    for name in surfaces() {
+        let rays = if name.starts_with("formula") {
+            1000
+        } else {
+            10_000
+        };
+        let bag = hunt_surface(name, 5, rays);
         assert_eq!(bag.leaks(), 0, "{name}: {bag:?}");
-        // Not too few decide: half of the directions are close to the tangent
-        // plane, many shapes small and far away.
-        assert!(bag.undecided * 2 < bag.rays, "{name}: {bag:?}");
+        // What the error of the start leaves open are a few grazing chords.
+        assert!(bag.undecided * 50 < bag.rays, "{name}: {bag:?}");
     }
 }
 
-/// A tube that is taken for a closed cylinder, and the other way round: the
-/// judge above notices.
+/// A tube that is taken for a closed cylinder, and the other way round, and
+/// any shape that is larger by a millionth: the judge above notices.
 #[test]
 fn a_wrong_surface_is_noticed() {
-    let kind = |wanted: &str| SURFACES.iter().position(|name| *name == wanted).unwrap();
-    let (closed, tube) = (kind("cylinder"), kind("tube"));
-    assert!(hunt_judged(tube, closed, 5, 2000).missed > 100);
-    assert!(hunt_judged(closed, tube, 5, 2000).false_hits > 100);
+    assert!(hunt_judged("tube", "cylinder", 1.0, 5, 2000).leaks() > 100);
+    assert!(hunt_judged("cylinder", "tube", 1.0, 5, 2000).leaks() > 100);
+    for name in surfaces().skip(4) {
+        let bag = hunt_judged(name, name, 1.0 + 1e-6, 5, 500);
+        assert!(20 * bag.leaks() > bag.rays, "{name}: {bag:?}");
+    }
 }
 
 #[test]

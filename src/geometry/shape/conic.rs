@@ -130,9 +130,32 @@ impl Conic {
         let w = ray.oz + shift;
         let a = ray.d.length_squared() - c2 * ray.dz * ray.dz;
         let h = ray.o.dot(ray.d) - self.profile.half_slope(w) * ray.dz;
+        // On the side itself `h` tells on which side of the tangent plane the
+        // ray goes on. Where the error of its start does not tell, there is no
+        // chord: one would end on the wrong side of the surface.
+        let h = if leaving == Some(SIDE) && h.abs() <= self.unsure(ray) {
+            0.0
+        } else {
+            h
+        };
         let k = ray.o.length_squared() - (c0 + (c1 + c2 * w) * w);
         let discriminant = difference_of_products(h, h, a, k);
         below_zero(a, h, k, discriminant, leaving == Some(SIDE), SIDE)
+    }
+
+    /// A bound on what half the slope along a ray is off at its start: a start
+    /// is the root of 3 errors off its point, which is one off the surface, and
+    /// rounded to the next float.
+    #[inline]
+    fn unsure(&self, ray: &AxialRay) -> f64 {
+        let reach = ray.o.x.abs() + ray.o.y.abs() + ray.oz.abs();
+        let off = 4.0
+            * self
+                .axis
+                .error_of(reach, self.axis.base.abs() + DVec3::splat(reach));
+        let slope = ray.d.length() + self.profile.c2 * ray.dz.abs();
+        off * slope
+            + gamma(8) * self.profile.half_slope(ray.oz + self.profile.shift).abs() * ray.dz.abs()
     }
 
     /// The stretches inside the capped solid.
