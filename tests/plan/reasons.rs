@@ -236,7 +236,7 @@ fn a_caustic_that_is_there_is_not_explained_away() {
             "Sphere(name: \"lamp\", center: (0, 0, 4), radius: 0.2, power: 10)",
         ),
         (
-            "FLOOR BALL (name: \"tube\", shape: Cylinder(base: (0, 0, 0.1), end: (0, 0, 3), radius: 1, capped: false), material: \"mirror\")",
+            "FLOOR BALL (name: \"tube\", shape: Cylinder(base: (0, 0, 0.1), end: (0, 0, 3), radius: 1, capped: false), material: \"white\")",
             "Point(name: \"lamp\", position: (0, 0, 4), power: 10)",
         ),
     ] {

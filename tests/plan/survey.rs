@@ -2,7 +2,7 @@
 //! says it.
 
 use nephroid::{
-    plan::judge,
+    plan::{By, judge},
     render::REPLICATES,
     scene::{Choice, Effect, Scene, Settings},
     survey::{EffectReport, Measured, Survey},
@@ -148,7 +148,7 @@ fn a_depth_limit_is_told() {
 
 #[test]
 fn a_survey_is_deterministic_and_follows_the_seed() {
-    let scene = mixed("");
+    let scene = mixed("photons: 4096, indirect: false");
     let of = |seed: u64, threads: usize| {
         let settings = Settings {
             seed,
@@ -263,11 +263,11 @@ fn a_full_ball_needs_no_total_reflection() {
 #[test]
 fn every_verdict_has_a_reason() {
     for scene in [mixed(""), mixed("effects: (glints: Off, panes: On)")] {
-        let survey = Survey::of(&scene, &scene.settings, [16, 12]);
-        for e in &survey.effects {
-            assert!(e.why.len() > 10, "{e:?}");
-            let said = scene.settings.choice(e.effect);
-            assert_eq!(e.by_user, said == Choice::Off, "{e:?}");
+        for v in judge(&scene, &scene.settings) {
+            assert!(v.why.len() > 10, "{v:?}");
+            let said = scene.settings.choice(v.effect);
+            assert_eq!(v.by == By::User, said == Choice::Off, "{v:?}");
+            assert_eq!(v.on, v.called_for && said != Choice::Off, "{v:?}");
         }
     }
 }
