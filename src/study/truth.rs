@@ -286,47 +286,36 @@ pub(super) fn make(
     let mut seeds = seeds?;
     let limit = request.reference_time.as_secs_f64();
     loop {
-        let least = seeds.iter().map(|s| s.effort.passes).min().unwrap_or(0);
-        let spent: f64 = seeds.iter().map(|s| s.effort.wall_seconds).sum();
-        if least > 0 {
-            let known = known(subject, method, sight, &seeds);
-            let error = known.record.error.unwrap_or(0.0);
-            let _ = watch(&Event::Note(format!(
-                "{}: reference by {}: error {:.2} % after {least} passes of {SEEDS} seeds",
-                subject.name,
-                method.name(),
-                100.0 * error
-            )));
-            if least >= FEWEST && is_enough(&known) {
-                return Ok(known);
-            }
-            // Another stage of as many passes, or of as many as time allows;
-            // one that brings next to nothing is not worth its time.
-            let room = ((limit - spent) * f64::from(least) / spent.max(1e-9)) as u32;
-            let stage = least.min(room);
-            if stage < least.div_ceil(8) || least > u32::MAX / 2 {
-                return Ok(known);
-            }
-            stage_of(
-                subject,
-                method,
-                least + stage,
-                &mut seeds,
-                store,
-                request,
-                watch,
-            )?;
-        } else {
-            stage_of(
-                subject,
-                method,
-                FIRST_STAGE,
-                &mut seeds,
-                store,
-                request,
-                watch,
-            )?;
+        let passes = seeds.iter().map(|s| s.effort.passes);
+        let (least, most) = (passes.clone().min(), passes.max());
+        let (least, most) = (least.unwrap_or(0), most.unwrap_or(0));
+        // A stage that was interrupted comes to its end first.
+        if least < most || most == 0 {
+            let target = most.max(FIRST_STAGE);
+            stage_of(subject, method, target, &mut seeds, store, request, watch)?;
+            continue;
         }
+        let known = known(subject, method, sight, &seeds);
+        let error = known.record.error.unwrap_or(0.0);
+        let _ = watch(&Event::Note(format!(
+            "{}: reference by {}: error {:.2} % after {least} passes of {SEEDS} seeds",
+            subject.name,
+            method.name(),
+            100.0 * error
+        )));
+        if least >= FEWEST && is_enough(&known) {
+            return Ok(known);
+        }
+        // Another stage of as many passes, or of as many as time allows; one
+        // that brings next to nothing is not worth its time.
+        let spent: f64 = seeds.iter().map(|s| s.effort.wall_seconds).sum();
+        let room = ((limit - spent) * f64::from(least) / spent.max(1e-9)) as u32;
+        let stage = least.min(room);
+        if stage < least.div_ceil(8) || least > u32::MAX / 2 {
+            return Ok(known);
+        }
+        let target = least + stage;
+        stage_of(subject, method, target, &mut seeds, store, request, watch)?;
     }
 }
 
