@@ -336,7 +336,7 @@ fn an_error_that_is_asked_for_is_reached_or_missed() {
     assert_eq!(code(&output), 0, "{}", text(&output.stderr));
     let last = text(&output.stderr).lines().last().unwrap();
     assert!(
-        last.starts_with("error ") && last.ends_with("90 % was asked for"),
+        last.starts_with("error ") && last.ends_with("; 90 % is reached"),
         "{last}"
     );
     let report = fs::read_to_string(directory.path().join("a.json")).unwrap();
