@@ -188,9 +188,15 @@ fn planted_roots_are_found() {
             .into_iter()
             .reduce(|a, b| a * b)
             .expect("four");
-        let mut found = Vec::new();
+        let mut found = vec![0.0, 5.0];
         poly.breaks(0.0, 5.0, &mut found);
-        assert_eq!(found.len(), 7, "roots and what lies between: {found:?}");
+        found.sort_by(f64::total_cmp);
+        let signs: Vec<i8> = found
+            .windows(2)
+            .map(|pair| poly.sign(0.5 * (pair[0] + pair[1])))
+            .collect();
+        let changes = signs.windows(2).filter(|pair| pair[0] * pair[1] < 0);
+        assert_eq!(changes.count(), 4, "{gap:e}: {signs:?}");
         for root in roots {
             let near = found
                 .iter()

@@ -113,7 +113,7 @@ pub(crate) fn implicit(random: &mut Random, name: &str, at: DVec3, size: f64) ->
     let [x, y, z] = [0, 1, 2].map(about);
     let (text, field): (String, Field) = match name {
         "formula: sphere" => {
-            let text = format!("{x}^2 + {y}^2 + {z}^2 - {:?}^2", size);
+            let text = format!("{x}^2 + {y}^2 + {z}^2 - {size:?}^2");
             (text, ball(at, size))
         }
         "formula: ellipsoid" => {

@@ -100,8 +100,8 @@ pub(crate) fn constant(x: f64) -> Poly {
 /// The six faces of a box.
 pub(crate) fn faces(b: Aabb) -> Vec<Field> {
     let face = |i: usize| {
-        let normal = DVec3::AXES[i / 2] * if i % 2 == 0 { -1.0 } else { 1.0 };
-        half_space(if i % 2 == 0 { b.min } else { b.max }, vec(normal))
+        let normal = DVec3::AXES[i / 2] * if i.is_multiple_of(2) { -1.0 } else { 1.0 };
+        half_space(if i.is_multiple_of(2) { b.min } else { b.max }, vec(normal))
     };
     (0..6).map(face).collect()
 }
