@@ -275,6 +275,11 @@ mod tests {
         assert!(store.read::<u32>("one", "key").is_none(), "one bit");
         fs::write(&exr, &whole[..whole.len() - 1]).unwrap();
         assert!(store.read::<u32>("one", "key").is_none(), "cut off");
+        let window = Window::whole(3, 2);
+        let other = encode_exr(&[("p1", &image(2.0))], window, &[]).unwrap();
+        fs::write(&exr, other).unwrap();
+        let read = store.read::<u32>("one", "key");
+        assert!(read.is_none(), "a whole picture, but another");
         fs::write(&exr, &whole).unwrap();
         assert!(store.read::<u32>("one", "key").is_some());
         let json = store.json("one");

@@ -103,6 +103,14 @@ impl Quadric {
         let x = from + dir * slide;
         let a = dir.dot(self.second * dir);
         let h = dir.dot(self.half_gradient(x));
+        // On the surface itself `h` tells on which side of the tangent plane
+        // the ray goes on; where the error of its start does not tell, there
+        // is no chord, as for a cone.
+        let h = if leaving && h.abs() <= self.unsure(x, dir) {
+            0.0
+        } else {
+            h
+        };
         let k = self.level(x).0;
         let discriminant = difference_of_products(h, h, a, k);
         (slide, below_zero(a, h, k, discriminant, leaving, 0))
@@ -227,6 +235,24 @@ impl Surface for Quadric {
 }
 
 impl Quadric {
+    /// A bound on what half the slope along a ray is off at its start `x`
+    /// relative to the centre: a start is the root of 3 errors off its point,
+    /// which is one off the surface, and rounded to the next float.
+    fn unsure(&self, x: DVec3, dir: DVec3) -> f64 {
+        let rounding = 0.5 * gamma(16) * self.level(x).1;
+        let slope = self.half_gradient(x).length();
+        let steepest = slope.max((rounding * self.stretch()).sqrt());
+        let around = if steepest > 0.0 {
+            rounding / steepest
+        } else {
+            0.0
+        };
+        let reach = x.abs().max_element() + self.center.abs().max_element();
+        let off = 4.0 * (around + gamma(2) * 2.0 * reach);
+        let sizes = self.stretch() * x.length() + self.slope.length();
+        dir.length() * (self.stretch() * off + gamma(8) * sizes)
+    }
+
     /// A bound on the factor by which the second derivative stretches: half
     /// of it, by Frobenius.
     fn stretch(&self) -> f64 {
