@@ -532,7 +532,12 @@ fn a_given_picture_judges() {
     write_exr(&path, &[("", &grey)], Window::whole(w, h), &[]).unwrap();
     let request = request(2, 1, &[Way::Photons]);
     let given = subject("glass", &scene, Source::Given(&path));
-    let found = run(&[given.clone()], &request, &directory.path().join("a")).unwrap();
+    let found = run(
+        std::slice::from_ref(&given),
+        &request,
+        &directory.path().join("a"),
+    )
+    .unwrap();
     assert_eq!(found.scenes[0].truth.kind, TruthKind::Given);
     assert_eq!(found.scenes[0].truth.error, None);
     let point = &series(&found, "photons").points[0];
@@ -541,7 +546,7 @@ fn a_given_picture_judges() {
         let size = Window::whole(image.width(), image.height());
         write_exr(&path, &[("", image)], size, &[]).unwrap();
         let target = directory.path().join("b");
-        let fault = run(&[given.clone()], &request, &target).unwrap_err();
+        let fault = run(std::slice::from_ref(&given), &request, &target).unwrap_err();
         assert!(
             matches!(fault, Fault::Invalid(_)) && fault.to_string().contains(words),
             "{fault}"
@@ -571,14 +576,14 @@ fn what_does_not_fit_is_refused() {
         resolution: Some([1 << 20, 1 << 20]),
         ..good.clone()
     };
-    assert!(fault(&[one.clone()], &large).contains("--resolution"));
+    assert!(fault(std::slice::from_ref(&one), &large).contains("--resolution"));
     assert!(fault(&[], &good).contains("no scene"));
     assert!(fault(&[one.clone(), one.clone()], &good).contains("two scenes"));
     let blind = Request {
         reference_method: Some(Method::LightNaive),
         ..good.clone()
     };
-    assert!(fault(&[one.clone()], &blind).contains("blurred"));
+    assert!(fault(std::slice::from_ref(&one), &blind).contains("blurred"));
     let sweep = Request {
         methods: Some(vec![Way::Reference(Method::Path)]),
         sweeps: vec![Sweep::Radius(vec![1.0])],

@@ -411,7 +411,7 @@ pub(crate) struct StudyArgs {
     pub(crate) reference_time: Option<Duration>,
 
     /// Give the renderer a further curve for each value of a setting:
-    /// photons, radius, sampler, kernel, max_depth or indirect,
+    /// photons, radius, sampler, kernel, depth or indirect,
     /// such as radius=1,2,4 or kernel=Footprint,Circle.
     /// May be given several times
     #[arg(long, value_name = "SETTING=VALUES", value_parser = sweep, verbatim_doc_comment)]

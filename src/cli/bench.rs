@@ -207,24 +207,24 @@ fn words(judgement: &Judgement) -> String {
 }
 
 fn heading() -> String {
-    let columns: String = TARGETS
-        .iter()
-        .map(|t| format!("{:>16}", format!("{} %", digits(100.0 * t))))
-        .collect();
-    format!(
-        "seconds of processor time to an error, and their spread\n{:14}{columns}",
+    let mut text = format!(
+        "seconds of processor time to an error, and their spread\n{:14}",
         ""
-    )
+    );
+    for target in TARGETS {
+        let target = format!("{} %", digits(100.0 * target));
+        text.push_str(&format!("{target:>16}"));
+    }
+    text
 }
 
 fn row(scene: &BenchmarkScene) -> String {
-    let columns: String = (0..TARGETS.len())
-        .map(|i| {
-            let text = scene.time(i).map_or("-".to_owned(), |(time, factor)| {
-                format!("{} +-{:.0} %", digits(time), 100.0 * (factor - 1.0))
-            });
-            format!("{text:>16}")
-        })
-        .collect();
-    format!("{:14}{columns}", scene.name)
+    let mut text = format!("{:14}", scene.name);
+    for target in 0..TARGETS.len() {
+        let time = scene.time(target).map_or("-".to_owned(), |(time, factor)| {
+            format!("{} +-{:.0} %", digits(time), 100.0 * (factor - 1.0))
+        });
+        text.push_str(&format!("{time:>16}"));
+    }
+    text
 }

@@ -79,9 +79,12 @@ impl Blur {
         let [even, odd] = [film.blur(0), film.blur(1)];
         let relative = |half: &[[f64; 2]], i: usize| half[i].map(|step| step / scales[i]);
         let product = |f: fn([f64; 2], [f64; 2]) -> f64| {
-            ground.plane(|i| match ground.lit[i] {
-                true => f(relative(&even, i), relative(&odd, i)),
-                false => 0.0,
+            ground.plane(|i| {
+                if ground.lit[i] {
+                    f(relative(&even, i), relative(&odd, i))
+                } else {
+                    0.0
+                }
             })
         };
         let firsts = product(|[a, _], [b, _]| a * b);
