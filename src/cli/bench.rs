@@ -9,7 +9,7 @@ use std::{
 
 use nephroid::{
     film::{Image, atomic, read_exr},
-    scene::Scene,
+    scene::{self, Digest, Scene},
     study::{
         self, BENCHMARK, Benchmark, BenchmarkScene, Judgement, Machine, STANDARD_SCENES, TARGETS,
         Task, Verdict,
@@ -104,9 +104,8 @@ fn load(typed: &BenchArgs, name: &str) -> Result<Loaded, Failure> {
         )));
     }
     let scene = progress::load(&path, true).map_err(|e| Failure::scene(&e))?;
-    let cannot = |e| Failure::bad_input(format!("cannot read {}: {e}", path.display()));
-    let print = study::fingerprint(&path).map_err(cannot)?;
-    let bytes = study::fingerprint(&reference).map_err(cannot)?;
+    let cannot = |e| Failure::bad_input(format!("cannot read {}: {e}", reference.display()));
+    let bytes = fs::read(&reference).map_err(cannot)?;
     let image = read_exr(&reference, "").map_err(Failure::bad_input)?;
     if [image.width(), image.height()] != scene.resolution {
         return Err(Failure::bad_input(format!(
@@ -120,7 +119,11 @@ fn load(typed: &BenchArgs, name: &str) -> Result<Loaded, Failure> {
     }
     Ok(Loaded {
         name: name.to_owned(),
-        print: format!("{print} {bytes}"),
+        print: format!(
+            "{} {}",
+            scene::fingerprint(&scene.inputs),
+            Digest::of(&bytes)
+        ),
         scene,
         reference: image,
     })

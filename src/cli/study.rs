@@ -13,7 +13,7 @@ use std::{
 };
 
 use nephroid::{
-    scene::Scene,
+    scene::{self, Scene},
     study::{self, Fault, Request, Source, Study, Subject, Way},
 };
 
@@ -164,7 +164,7 @@ fn load(typed: &StudyArgs) -> Result<Vec<Loaded>, Failure> {
         let text = fs::read(path).map_err(cannot)?;
         all.push(Loaded {
             title: title(&String::from_utf8_lossy(&text)),
-            print: study::fingerprint(path).map_err(cannot)?,
+            print: scene::fingerprint(&scene.inputs).to_string(),
             reference: reference(typed, &stem)?,
             scene,
             name: unique(&stem, &mut names),

@@ -20,7 +20,7 @@ use crate::{
     transport::Context,
 };
 
-use super::{Aim, Emitter, LightTally, Photon, trace};
+use super::{Aim, Emitter, LightTally, Photon, shoot::in_chunks, trace};
 
 /// Part of all paths that goes to lights and targets by power, whatever the
 /// scores say.
@@ -34,9 +34,6 @@ const WORTH_IT: f64 = 2.0;
 /// Paths of a pass for each cell of a guide: kernels change their size from
 /// cell to cell, and most of them should lie within one.
 const PATHS_PER_CELL: f64 = 64.0;
-
-/// Paths in a chunk of a rehearsal; the result does not depend on it.
-const CHUNK: u64 = 1024;
 
 /// Where in the emission a path began.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -76,18 +73,10 @@ impl Rehearsal {
         let Some(emitter) = &emitter.levelled() else {
             return Self::default();
         };
-        let chunks: Vec<Self> = (0..count.div_ceil(CHUNK))
-            .into_par_iter()
-            .map(|c| {
-                let mut chunk = Self::default();
-                for index in c * CHUNK..((c + 1) * CHUNK).min(count) {
-                    chunk.trace(ctx, emitter, sequence.at(index), count as f64);
-                }
-                chunk
-            })
-            .collect();
         let mut all = Self::default();
-        for chunk in chunks {
+        for chunk in in_chunks(count, |chunk: &mut Self, index| {
+            chunk.trace(ctx, emitter, sequence.at(index), count as f64);
+        }) {
             all.photons.extend_from_slice(&chunk.photons);
             all.paths.extend_from_slice(&chunk.paths);
         }

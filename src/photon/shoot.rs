@@ -12,6 +12,27 @@ use super::{Emitter, Photon, Tally, trace};
 /// the tally.
 const CHUNK: u64 = 4096;
 
+/// Paths in a chunk of those that pilots trace, which are fewer.
+const PILOT_CHUNK: u64 = 1024;
+
+/// Traces paths `0 .. count` in fixed chunks, in parallel: what each chunk has
+/// gathered, in order. `trace` adds the path of an index to its chunk.
+pub(super) fn in_chunks<T: Default + Send>(
+    count: u64,
+    trace: impl Fn(&mut T, u64) + Send + Sync,
+) -> Vec<T> {
+    (0..count.div_ceil(PILOT_CHUNK))
+        .into_par_iter()
+        .map(|c| {
+            let mut chunk = T::default();
+            for index in c * PILOT_CHUNK..((c + 1) * PILOT_CHUNK).min(count) {
+                trace(&mut chunk, index);
+            }
+            chunk
+        })
+        .collect()
+}
+
 /// What a pass's photon paths brought.
 #[derive(Clone, Debug, Default)]
 pub struct Shot {

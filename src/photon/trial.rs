@@ -2,18 +2,13 @@
 
 use std::ops::Range;
 
-use rayon::prelude::*;
-
 use crate::{
     geometry::Ray,
     sampling::{Sequence, Stream},
     transport::Context,
 };
 
-use super::{Emitter, LightTally, Photon, Step, Turn, trace::trace_watched};
-
-/// Paths in a chunk; the result does not depend on it.
-const CHUNK: u64 = 1024;
+use super::{Emitter, LightTally, Photon, Step, Turn, shoot::in_chunks, trace::trace_watched};
 
 /// What became of one photon path.
 #[derive(Clone, Debug)]
@@ -50,18 +45,10 @@ impl Trial {
         let Some(emitter) = &emitter.levelled() else {
             return Self::default();
         };
-        let chunks: Vec<Self> = (0..count.div_ceil(CHUNK))
-            .into_par_iter()
-            .map(|c| {
-                let mut chunk = Self::default();
-                for index in c * CHUNK..((c + 1) * CHUNK).min(count) {
-                    chunk.trace(ctx, emitter, sequence.at(index), count as f64);
-                }
-                chunk
-            })
-            .collect();
         let mut all = Self::default();
-        for chunk in chunks {
+        for chunk in in_chunks(count, |chunk: &mut Self, index| {
+            chunk.trace(ctx, emitter, sequence.at(index), count as f64);
+        }) {
             let before = all.photons.len();
             all.photons.extend_from_slice(&chunk.photons);
             all.stories

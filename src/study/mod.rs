@@ -20,7 +20,6 @@ mod curves;
 mod effects;
 mod engine;
 mod fault;
-mod fingerprint;
 mod fit;
 mod judge;
 mod machine;
@@ -42,7 +41,6 @@ pub use clock::Stopwatch;
 pub use curves::{Outline, outline};
 pub use engine::study;
 pub use fault::Fault;
-pub use fingerprint::fingerprint;
 pub use fit::{fit, time_to};
 pub use pictures::MAP_TOP;
 pub use record::{

@@ -222,7 +222,7 @@ pub struct Subject<'a> {
     /// The scene.
     pub scene: &'a Scene,
     /// What tells it from other scenes of that name; see
-    /// [`fingerprint`](super::fingerprint()).
+    /// [`scene::fingerprint`](crate::scene::fingerprint).
     pub print: String,
     /// Where the truth comes from.
     pub truth: Source<'a>,

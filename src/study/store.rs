@@ -13,9 +13,12 @@ use std::{
 
 use serde::{Deserialize, Serialize, de::DeserializeOwned};
 
-use crate::film::{Image, OutputError, Window, atomic::write_whole, encode_exr, read_exr_layers};
+use crate::{
+    film::{Image, OutputError, Window, atomic::write_whole, encode_exr, read_exr_layers},
+    scene::Digest,
+};
 
-use super::{fault::Fault, fingerprint::print_of, record::FORMAT};
+use super::{fault::Fault, record::FORMAT};
 
 /// The directory of a study that keeps its runs.
 const RUNS: &str = "runs";
@@ -132,7 +135,7 @@ impl Store {
         }
         let path = self.runs.join(file);
         let bytes = fs::read(&path).ok()?;
-        if print_of(&bytes) != print {
+        if Digest::of(&bytes).to_string() != print {
             return None;
         }
         Some((kept.answer, read_exr_layers(&path).ok()?))
@@ -158,7 +161,7 @@ impl Store {
                     path: self.runs.join(name),
                     reason,
                 })?;
-            let print = print_of(&bytes);
+            let print = Digest::of(&bytes).to_string();
             // Under a name of its own: the old one stays until it is not needed.
             let file = format!("{name}-{}.exr", &print[..8]);
             write_whole(&self.runs.join(&file), |out| out.write_all(&bytes))?;
@@ -216,7 +219,11 @@ pub(super) fn slug(text: &str) -> String {
 
 /// The name of a record: words for people, and the print of its question.
 pub(super) fn record_name(words: &str, key: &str) -> String {
-    format!("{}-{}", slug(words), &print_of(key.as_bytes())[..12])
+    format!(
+        "{}-{}",
+        slug(words),
+        &Digest::of(key.as_bytes()).to_string()[..12]
+    )
 }
 
 #[cfg(test)]

@@ -3,10 +3,31 @@
 use std::{
     fs,
     io::{BufRead, BufReader},
-    process::{Command, Stdio},
+    path::Path,
+    process::{Child, Command, Stdio},
 };
 
 use crate::{Product, done, names, passes_in, program, run, text, workplace};
+
+/// A render that ends when it is told to; it tells on standard error.
+#[cfg(unix)]
+fn without_end(directory: &Path, checkpoint: &str, every: &str) -> Child {
+    let arguments = format!(
+        "render scene.ron -o a.png --passes 4000000 --checkpoint {checkpoint} \
+         --checkpoint-every {every}"
+    );
+    let arguments: Vec<&str> = arguments.split_whitespace().collect();
+    let mut command = program(directory, &arguments);
+    command.stderr(Stdio::piped()).spawn().unwrap()
+}
+
+/// Sends a signal.
+#[cfg(unix)]
+fn send(signal: &str, child: &Child) {
+    let id = child.id().to_string();
+    let sent = Command::new("kill").args([signal, &id]).status();
+    assert!(sent.unwrap().success());
+}
 
 /// Files may not grow beyond a size below that of a checkpoint, as on a full
 /// disk. The old checkpoint stays, the picture is made, and the code says that
@@ -68,22 +89,7 @@ fn it_tries_again() {
     let path = directory.path();
     let [there, away] = ["kept", "away"].map(|name| path.join(name));
     fs::create_dir(&there).unwrap();
-    let arguments = [
-        "render",
-        "scene.ron",
-        "-o",
-        "a.png",
-        "--passes",
-        "4000000",
-        "--checkpoint",
-        "kept/a.ckpt",
-        "--checkpoint-every",
-        "1ms",
-    ];
-    let mut child = program(path, &arguments)
-        .stderr(Stdio::piped())
-        .spawn()
-        .unwrap();
+    let mut child = without_end(path, "kept/a.ckpt", "1ms");
     let mut said = BufReader::new(child.stderr.take().unwrap()).lines();
     let mut hear = |words: &str| {
         let heard = said.find(|line| line.as_ref().unwrap().contains(words));
@@ -94,14 +100,7 @@ fn it_tries_again() {
     hear("warning: cannot write kept/a.ckpt");
     fs::rename(&away, &there).unwrap();
     hear("kept/a.ckpt is written again");
-    let id = child.id().to_string();
-    assert!(
-        Command::new("kill")
-            .args(["-TERM", &id])
-            .status()
-            .unwrap()
-            .success()
-    );
+    send("-TERM", &child);
     hear("interrupted");
     assert_eq!(
         child.wait().unwrap().code(),
@@ -118,34 +117,12 @@ fn it_tries_again() {
 fn a_file_that_appears_is_not_overwritten() {
     let directory = workplace();
     let path = directory.path();
-    let arguments = [
-        "render",
-        "scene.ron",
-        "-o",
-        "a.png",
-        "--passes",
-        "4000000",
-        "--checkpoint",
-        "a.ckpt",
-        "--checkpoint-every",
-        "10h",
-    ];
-    let mut child = program(path, &arguments)
-        .stderr(Stdio::piped())
-        .spawn()
-        .unwrap();
+    let mut child = without_end(path, "a.ckpt", "10h");
     let mut first = String::new();
     let mut said = BufReader::new(child.stderr.take().unwrap());
     said.read_line(&mut first).unwrap();
     fs::write(path.join("a.ckpt"), "precious").unwrap();
-    let id = child.id().to_string();
-    assert!(
-        Command::new("kill")
-            .args(["-INT", &id])
-            .status()
-            .unwrap()
-            .success()
-    );
+    send("-INT", &child);
     let rest: Vec<String> = said.lines().map(Result::unwrap).collect();
     assert_eq!(child.wait().unwrap().code(), Some(1), "{rest:?}");
     let says = "a.ckpt: the file there does not belong to this render";

@@ -14,7 +14,7 @@ use crate::{
     dielectric, objects,
     rays::filled,
     slab,
-    twin::{Body, index_at, point},
+    twin::{Body, index_at, point, scene_with},
     with_context,
 };
 
@@ -43,17 +43,7 @@ fn nested_media_do_not_show_in_an_even_surrounding() {
             priority: 2,
         },
     ];
-    let text: String = bodies
-        .iter()
-        .map(|b| {
-            ball(
-                b.center.to_array(),
-                b.radius,
-                &dielectric(b.ior, b.priority),
-            )
-        })
-        .collect();
-    let scene = objects(&text);
+    let scene = scene_with(&bodies);
     with_context(&scene, |ctx| {
         let mut seen = [0; 3];
         for i in 0..2000 {

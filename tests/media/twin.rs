@@ -2,7 +2,10 @@
 //! other: only the index at a place.
 
 use glam::DVec3;
-use nephroid::sampling::{Purpose, Sequence, Stream};
+use nephroid::{
+    sampling::{Purpose, Sequence, Stream},
+    scene::Scene,
+};
 
 use crate::{Step, ball, dielectric, objects, way, with_context};
 
@@ -13,6 +16,15 @@ pub(crate) struct Body {
     pub(crate) radius: f64,
     pub(crate) ior: f64,
     pub(crate) priority: i32,
+}
+
+/// A scene of these balls.
+pub(crate) fn scene_with(bodies: &[Body]) -> Scene {
+    let text = |b: &Body| {
+        let material = dielectric(b.ior, b.priority);
+        ball(b.center.to_array(), b.radius, &material)
+    };
+    objects(&bodies.iter().map(text).collect::<String>())
 }
 
 /// The index at a point: that of the ball of highest priority around it, the
@@ -106,17 +118,7 @@ fn light_bends_where_the_index_jumps() {
                 priority: (5.0 * s.next_1d()) as i32 - 2,
             })
             .collect();
-        let text: String = bodies
-            .iter()
-            .map(|b| {
-                ball(
-                    b.center.to_array(),
-                    b.radius,
-                    &dielectric(b.ior, b.priority),
-                )
-            })
-            .collect();
-        let scene = objects(&text);
+        let scene = scene_with(&bodies);
         with_context(&scene, |ctx| {
             assert!(ctx.plan.nest.is_some());
             for i in 0..100 {

@@ -15,7 +15,7 @@ use crate::study::{Fit, Point, Series};
 /// Columns of the longest name beside a line.
 const NAME: usize = 26;
 /// Width of a column in a plot's letters, about.
-const COLUMN: f64 = 6.4;
+const COLUMN: f64 = 7.6;
 /// Height of a line of letters in a plot.
 const LINE: f64 = 14.0;
 
