@@ -1,12 +1,12 @@
 //! How far derivatives hold: a photon's companion.
 //!
-//! A kernel is as long as the derivatives say that the light of a cell is
+//! A kernel is as wide as the derivatives say that the light of a cell is
 //! spread. Next to a fold of a caustic they change within the cell: the light
 //! turns back, and a kernel that does not know reaches into the dark beyond.
-//! What no derivative at the photon itself can tell, a second ray does: one
-//! that starts where the rim of the kernel would, along its minor axis, and
-//! goes the same way. Between the two a path is taken to bend like a
-//! parabola, so the place at which it would turn is known.
+//! No derivative at the photon itself tells; a second ray does: one that
+//! starts where the rim of the kernel would, at the end of its minor axis, and
+//! goes the same way. Between the two the landing point is taken to move along
+//! a parabola, so the place where it turns back is known.
 
 use glam::DVec3;
 
@@ -17,12 +17,12 @@ use crate::{
 
 use super::{Emission, footprint::Rim};
 
-/// Most specular steps that are gone again.
+/// Most specular steps that are gone again; longer paths have no companion.
 const MOST_STEPS: usize = 16;
 
 /// What a path did at a specular surface.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-struct Trace {
+struct Turned {
     instance: u32,
     kind: Kind,
 }
@@ -49,7 +49,7 @@ impl Kind {
 /// The way of a path.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Way {
-    traces: [Trace; MOST_STEPS],
+    turns: [Turned; MOST_STEPS],
     steps: usize,
 }
 
@@ -57,7 +57,7 @@ impl Way {
     /// No step yet.
     pub(super) fn new() -> Self {
         Self {
-            traces: [Trace::default(); MOST_STEPS],
+            turns: [Turned::default(); MOST_STEPS],
             steps: 0,
         }
     }
@@ -65,8 +65,8 @@ impl Way {
     /// Adds a step.
     #[inline]
     pub(super) fn push(&mut self, instance: u32, bend: &Bend) {
-        if let Some(trace) = self.traces.get_mut(self.steps) {
-            *trace = Trace {
+        if let Some(turned) = self.turns.get_mut(self.steps) {
+            *turned = Turned {
                 instance,
                 kind: Kind::of(bend),
             };
@@ -74,8 +74,8 @@ impl Way {
         self.steps += 1;
     }
 
-    /// Where a path that starts `from` as far away as `start` says, and goes the same way, lands on
-    /// the object `last`; `None` where it cannot.
+    /// Where the companion lands that starts from `emission` towards `rim` and
+    /// goes this way to the object `last`; `None` if its way is another.
     #[inline]
     pub(super) fn follow<const NESTED: bool>(
         &self,
@@ -84,21 +84,25 @@ impl Way {
         rim: &Rim,
         last: u32,
     ) -> Option<DVec3> {
-        let traces = self.traces.get(..self.steps)?;
-        let (mut ray, mut media) = (beside(emission, rim), emission.media);
-        for trace in traces {
+        let turns = self.turns.get(..self.steps)?;
+        let (mut ray, mut media) = (beside(emission, rim)?, emission.media);
+        for turned in turns {
             let Met {
                 hit,
                 point,
                 material,
             } = meet_in::<NESTED>(ctx, &ray, f64::INFINITY, &mut media)?;
-            if hit.surface.instance != trace.instance {
+            if hit.surface.instance != turned.instance {
                 return None;
             }
-            let coin = if trace.kind == Kind::Mirror { 0.0 } else { 1.0 };
+            let coin = if turned.kind == Kind::Mirror {
+                0.0
+            } else {
+                1.0
+            };
             let lobe =
                 Ways::at(&material, &point, ray.dir)?.choose(ray.dir, Carried::Flux, || coin);
-            if Kind::of(&lobe.bend) != trace.kind {
+            if Kind::of(&lobe.bend) != turned.kind {
                 return None;
             }
             if NESTED {
@@ -112,7 +116,7 @@ impl Way {
 }
 
 /// The start of a path that would reach the rim of a kernel, to first order.
-fn beside(emission: &Emission, rim: &Rim) -> Ray {
+fn beside(emission: &Emission, rim: &Rim) -> Option<Ray> {
     let (mut origin, mut dir) = (emission.ray.origin, emission.ray.dir);
     for (pair, step) in emission.differential.pairs().iter().zip(rim.steps) {
         let [a, b] = pair.dp.to_array();
@@ -120,9 +124,9 @@ fn beside(emission: &Emission, rim: &Rim) -> Ray {
         let [a, b] = pair.dd.to_array();
         dir += a * step.x + b * step.y;
     }
-    Ray {
+    Some(Ray {
         origin,
-        dir: dir.normalize(),
+        dir: dir.try_normalize()?,
         ..emission.ray
-    }
+    })
 }
