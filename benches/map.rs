@@ -39,6 +39,7 @@ fn photons(count: u64, held: u64) -> Vec<Photon> {
                 footprint: Some(Footprint {
                     major: DVec3::X * (scale * radius),
                     minor: scale * radius,
+                    fold: f64::INFINITY,
                 }),
                 bounced: false,
             }

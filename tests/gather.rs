@@ -67,6 +67,7 @@ fn long(angle: f64) -> Footprint {
     Footprint {
         major: DVec3::new(cos, sin, 0.0) * 0.16,
         minor: 0.04,
+        fold: f64::INFINITY,
     }
 }
 

@@ -5,7 +5,8 @@
 //! `cargo bench --bench estimators -- --scene before --seconds 60` takes one
 //! scene (all without; several may be named) and lets every method double its
 //! photons until the next picture would take longer than that (5 without).
-//! `--plateau` lets the renderer alone go on until relMSE 1e-4, to see that no
+//! `--rendered` compares with SPPM as this renderer has it alone, whose photons
+//! go through the scene as they do in any renderer. `--plateau` lets the renderer alone go on until relMSE 1e-4, to see that no
 //! bias stops it.
 
 #[path = "../common/clock.rs"]
@@ -20,7 +21,7 @@ use std::env;
 
 use exact::{CASES, Case, Reference};
 use ours::ours;
-use rivals::{knn, sppm};
+use rivals::{knn, rendered, sppm};
 use table::say;
 
 /// First radii of SPPM, in pixels.
@@ -40,6 +41,7 @@ struct Options {
     cases: Vec<Case>,
     seconds: f64,
     plateau: bool,
+    rendered: bool,
 }
 
 fn main() {
@@ -49,6 +51,8 @@ fn main() {
         table::heading(case, &reference);
         if options.plateau {
             plateau(case, &reference, options.seconds);
+        } else if options.rendered {
+            compare_rendered(case, &reference, options.seconds);
         } else {
             compare(case, &reference, options.seconds);
         }
@@ -60,6 +64,7 @@ fn options() -> Options {
         cases: Vec::new(),
         seconds: 5.0,
         plateau: false,
+        rendered: false,
     };
     let mut words = env::args().skip(1);
     while let Some(word) = words.next() {
@@ -80,9 +85,10 @@ fn options() -> Options {
                     .push(case.unwrap_or_else(|| panic!("no scene {name}; there are {CASES:?}")));
             }
             "--plateau" => options.plateau = true,
+            "--rendered" => options.rendered = true,
             // Cargo says so to every bench.
             "--bench" => {}
-            _ => panic!("{word}? There are --seconds S, --scene NAME and --plateau"),
+            _ => panic!("{word}? There are --seconds S, --scene NAME, --rendered and --plateau"),
         }
     }
     if options.cases.is_empty() {
@@ -99,6 +105,14 @@ fn compare(case: &Case, reference: &Reference, seconds: f64) {
     for k in NEAREST {
         table::rows(&knn(case, reference, k, seconds));
     }
+    table::summary(&own, &progressive, UNTUNED);
+}
+
+fn compare_rendered(case: &Case, reference: &Reference, seconds: f64) {
+    let own = ours(case, reference, seconds, 0.0);
+    table::rows(&own);
+    let progressive = RADII.map(|radius| rendered(case, reference, radius, seconds));
+    progressive.iter().for_each(table::rows);
     table::summary(&own, &progressive, UNTUNED);
 }
 

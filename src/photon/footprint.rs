@@ -26,6 +26,19 @@ pub struct Footprint {
     pub major: DVec3,
     /// Length of the minor one, metres.
     pub minor: f64,
+    /// How far the light goes before it turns back at a fold, metres along the
+    /// minor axis on the side of `-n x major`, where `n` is the normal of the
+    /// photon; infinite where none is near.
+    pub fold: f64,
+}
+
+/// The end of a kernel's minor axis.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Rim {
+    /// Pairs of coordinates that lead there, from those of the photon.
+    pub(super) steps: [DVec2; MAX_PAIRS],
+    /// The way there as the derivatives have it, metres.
+    pub(super) way: DVec3,
 }
 
 /// Kernel semi-axes over those of the cell's patch, by the number of pairs of
@@ -44,6 +57,15 @@ impl Footprint {
     /// circle of the same area. `None` where there are none, or the patch has
     /// no area.
     pub fn new(differential: &Differential, paths: f64, n: DVec3) -> Option<Self> {
+        Self::with_rim(differential, paths, n).map(|f| f.0)
+    }
+
+    /// The same, and the rim of its kernel where folds can matter.
+    pub(super) fn with_rim(
+        differential: &Differential,
+        paths: f64,
+        n: DVec3,
+    ) -> Option<(Self, Option<Rim>)> {
         let pairs = differential.pairs();
         if pairs.is_empty() {
             return None;
@@ -51,6 +73,7 @@ impl Footprint {
         let sizes = cell_sizes(differential, paths);
         let frame = Frame::around(n);
         let mut sides = [Sides::default(); MAX_PAIRS];
+        let mut steps = [DVec2::ZERO; MAX_PAIRS];
         let mut strain = 0.0;
         let scale = OVERLAP[sizes.sharing];
         for (i, pair) in pairs.iter().enumerate() {
@@ -59,6 +82,7 @@ impl Footprint {
             // No kernel reaches past the last photon of its light.
             let h = (DVec2::from_array(differential.kernel()[i]) * h)
                 .min(DVec2::from_array(differential.room()[i]));
+            steps[i] = h;
             sides[i] = Sides {
                 s: pair.dp.dot(frame.s) * h,
                 t: pair.dp.dot(frame.t) * h,
@@ -66,16 +90,55 @@ impl Footprint {
         }
         let (major, minor) = ellipse(&sides[..pairs.len()])?;
         if strain * scale * scale <= MOST_STRAIN * MOST_STRAIN {
-            return Some(Self {
+            let across = major.perp().normalize();
+            for (step, side) in steps.iter_mut().zip(&sides) {
+                *step *= (side.s * across.x + side.t * across.y) / minor;
+            }
+            // Spread over more dimensions, light has no sharp folds.
+            let rim = (minor > 0.0 && sizes.sharing == 1).then(|| Rim {
+                steps,
+                way: (frame.s * across.x + frame.t * across.y) * minor,
+            });
+            let footprint = Self {
                 major: frame.s * major.x + frame.t * major.y,
                 minor,
-            });
+                fold: f64::INFINITY,
+            };
+            return Some((footprint, rim));
         }
         let radius = (major.length() * minor).sqrt();
-        (radius > 0.0).then(|| Self {
+        let circle = Self {
             major: frame.s * radius,
             minor: radius,
-        })
+            fold: f64::INFINITY,
+        };
+        (radius > 0.0).then_some((circle, None))
+    }
+}
+
+impl Footprint {
+    /// The semi-axes of the kernel when all kernels are drawn in by `shrink`. It
+    /// reaches no further than a fold.
+    pub(super) fn kernel(&self, shrink: f64) -> (f64, f64) {
+        (
+            self.major.length() * shrink,
+            (self.minor * shrink).min(self.fold),
+        )
+    }
+
+    /// Learns where the light that would be at the rim is in truth: `off`
+    /// metres beyond it. Between photon and rim a path is taken for a parabola.
+    pub(super) fn learn(&mut self, rim: &Rim, off: DVec3) {
+        let off = off.dot(rim.way) / self.minor;
+        if off == 0.0 || !off.is_finite() {
+            return;
+        }
+        // At x(s) = minor s + off s^2 for s from -1 to 1; it turns back at
+        // s = -minor / (2 off).
+        self.fold = 0.25 * self.minor * (self.minor / off.abs());
+        if off < 0.0 {
+            self.major = -self.major;
+        }
     }
 }
 

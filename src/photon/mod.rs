@@ -11,6 +11,7 @@
 //! emitter where photons are needed.
 
 mod aim;
+mod companion;
 mod domain;
 mod emit;
 mod footprint;

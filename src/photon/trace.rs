@@ -19,7 +19,7 @@ use crate::{
     transport::{Carried, Context, Lobe, Met, Ways, media_beside, meet_in},
 };
 
-use super::{Emission, Footprint, LightTally, emit};
+use super::{Emission, Footprint, LightTally, companion::Way, emit};
 
 /// Light that landed at a finite lobe after it was reflected or bent.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -120,6 +120,7 @@ fn trace_in<const NESTED: bool>(
     }
     let (mut ray, mut media) = (emission.ray, emission.media);
     let mut differential = emission.differential;
+    let mut way = Way::new();
     let weak = ROULETTE_BELOW * flux.max();
     let (mut bent, mut bounced) = (false, false);
     for depth in 0..=ctx.max_depth {
@@ -159,6 +160,7 @@ fn trace_in<const NESTED: bool>(
                 ..step
             });
             differential.chance *= lobe.share;
+            way.push(hit.surface.instance, &lobe.bend);
             if lobe.is_bent() {
                 let turning = ctx.scene.world.turning(&hit, &point);
                 differential.bend(ray.dir, &lobe.bend, &turning);
@@ -173,7 +175,16 @@ fn trace_in<const NESTED: bool>(
             else {
                 return;
             };
-            let footprint = Footprint::new(&differential, paths, point.ng);
+            let patch = Footprint::with_rim(&differential, paths, landed.normal);
+            let footprint = patch.map(|(mut footprint, rim)| {
+                if let (false, Some(rim)) = (bounced, rim) {
+                    if let Some(p) = way.follow::<NESTED>(ctx, emission, &rim, hit.surface.instance)
+                    {
+                        footprint.learn(&rim, p - landed.position - rim.way);
+                    }
+                }
+                footprint
+            });
             store(Photon {
                 footprint,
                 bounced,

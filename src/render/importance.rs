@@ -97,6 +97,7 @@ fn kernel(d: DVec3, n: DVec3, radius: f64) -> Footprint {
     Footprint {
         major: along.unwrap_or_else(|| Frame::around(n).s) * (radius * stretch),
         minor: radius,
+        fold: f64::INFINITY,
     }
 }
 

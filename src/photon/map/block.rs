@@ -32,6 +32,7 @@ pub(super) struct Block {
     normal: [Vec4; 3],
     major: Vec4,
     minor: Vec4,
+    fold: Vec4,
     flux: [[f32; 3]; LANES],
 }
 
@@ -55,6 +56,7 @@ impl Block {
     pub(super) fn pack(photons: &[Stored], numbers: &[u32]) -> impl Iterator<Item = Self> {
         let nobody = Stored {
             position: [NOWHERE; 3],
+            fold: f32::INFINITY,
             ..Stored::default()
         };
         numbers.chunks(LANES).map(move |numbers| {
@@ -68,6 +70,7 @@ impl Block {
                 normal: [0, 1, 2].map(|k| Vec4::from(normals.map(|n| n[k]))),
                 major: each(&|p| p.major),
                 minor: each(&|p| p.minor),
+                fold: each(&|p| p.fold),
                 flux: lanes.map(|p| p.flux),
             }
         })
@@ -78,13 +81,23 @@ impl Block {
     pub(super) fn kernels(&self, query: Vec3, search: &Search, mut found: impl FnMut(&Reaching)) {
         let dot = |a: &[Vec4; 3], b: &[Vec4; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
         let query = query.to_array().map(Vec4::splat);
-        let offset = [0, 1, 2].map(|k| self.position[k] - query[k]);
-        let squared = dot(&offset, &offset);
+        let mut offset = [0, 1, 2].map(|k| self.position[k] - query[k]);
         let (least, most) = (Vec4::splat(search.least), Vec4::splat(search.most));
         let sized = self.major.cmpgt(Vec4::ZERO);
         let blind = Vec4::splat(search.blind);
         let bounded = |axis: Vec4| Vec4::select(sized, axis.max(least).min(most), blind);
         let (major, minor) = (bounded(self.major), bounded(self.minor));
+        // A kernel that was widened beyond a fold moves back from it.
+        let shift = minor - self.fold;
+        if shift.cmpgt(Vec4::ZERO).any() {
+            let shift = shift.max(Vec4::ZERO);
+            let (n, a) = (&self.normal, &self.axis);
+            for (k, offset) in offset.iter_mut().enumerate() {
+                let (i, j) = ((k + 1) % 3, (k + 2) % 3);
+                *offset += shift * (n[i] * a[j] - n[j] * a[i]);
+            }
+        }
+        let squared = dot(&offset, &offset);
         let (major2, minor2) = (major * major, minor * minor);
         // Photons that come after each other are near each other: most blocks
         // hold none that reaches the query.

@@ -6,6 +6,8 @@
 //! major axis, each a point of the tree: a search as wide as the ellipse is
 //! long would meet many that do not reach the query.
 
+use std::f32::consts::SQRT_2;
+
 use glam::{DMat3, DVec3, Vec3};
 use kiddo::{Eytzinger, FlatVec, KdTree, SquaredEuclidean};
 
@@ -39,7 +41,7 @@ const SMALLEST_PART: usize = 8;
 /// have more.
 pub(super) const BYTES_PER_PHOTON: u64 = size_of::<Stored>() as u64 + 4 * 36;
 
-/// A photon at rest, 52 bytes.
+/// A photon at rest, 56 bytes.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Stored {
     pub(super) position: [f32; 3],
@@ -50,6 +52,8 @@ pub(super) struct Stored {
     pub(super) major: f32,
     /// Length of the minor semi-axis.
     pub(super) minor: f32,
+    /// Distance to a fold on the side of `-normal x axis`.
+    pub(super) fold: f32,
     /// The surface's normal, in code.
     pub(super) normal: u32,
 }
@@ -104,7 +108,7 @@ pub(super) struct Class {
     /// No photon's kernel reaches further from the nearest of its spans; 0 for
     /// photons without a footprint.
     reach: f32,
-    /// Squared reach over that of the largest kernels asked for, at most.
+    /// Reach over that of the largest kernels asked for, at most.
     spread: f32,
     /// The box around all spans.
     low: Vec3,
@@ -119,11 +123,8 @@ impl Class {
         let mut by_size: Vec<(i32, Vec<&Photon>)> = Vec::new();
         for photon in photons {
             let key = photon.footprint.map_or(i32::MIN, |f| {
-                exponent(reach(
-                    f.major.length() * shrink,
-                    f.minor * shrink,
-                    MOST_SPANS,
-                ))
+                let (major, minor) = f.kernel(shrink);
+                exponent(reach(major, minor, MOST_SPANS))
             });
             match by_size.binary_search_by_key(&key, |c| c.0) {
                 Ok(i) => by_size[i].1.push(photon),
@@ -168,9 +169,11 @@ impl Class {
             let position = rotation * photon.position - center;
             // The same numbers as decided the class: rotated axes would be
             // rounded differently.
-            let (axis, length, minor) = photon.footprint.map_or((DVec3::ZERO, 0.0, 0.0), |f| {
+            let none = (DVec3::ZERO, 0.0, 0.0, f64::INFINITY);
+            let (axis, length, minor, fold) = photon.footprint.map_or(none, |f| {
                 let axis = f.major.try_normalize().unwrap_or(DVec3::X);
-                (rotation * axis, f.major.length() * shrink, f.minor * shrink)
+                let (major, minor) = f.kernel(shrink);
+                (rotation * axis, major, minor, f.fold)
             });
             farthest = farthest.max(reach(length, minor, most_spans));
             let spans_of_it = span_count(length, minor, most_spans);
@@ -187,6 +190,7 @@ impl Class {
                 axis: axis.as_vec3().to_array(),
                 major: length as f32,
                 minor: minor as f32,
+                fold: fold as f32,
                 normal: encode((rotation * photon.normal).as_vec3()),
             });
         }
@@ -210,7 +214,7 @@ impl Class {
             // Rounded up, with the rounding of the spans' places.
             reach: (farthest * (1.0 + 1e-6)) as f32,
             // The middle span and its neighbours, or only the one.
-            spread: if most_spans > 1 { 2.0 } else { 1.0 },
+            spread: if most_spans > 1 { SQRT_2 } else { 1.0 },
             low,
             high,
         })
@@ -241,9 +245,10 @@ impl Class {
         let squared = if self.reach == 0.0 {
             search.blind * search.blind
         } else {
-            // Widened kernels are rounder, not longer.
-            (self.reach * self.reach + search.least * search.least)
-                .min(self.spread * search.most * search.most)
+            // Widened kernels are rounder, not longer; those at a fold have
+            // moved away from it.
+            (self.reach * self.reach + 4.0 * search.least * search.least)
+                .min((self.spread * search.most + search.least).powi(2))
         };
         let squared = if margin > 0.0 {
             // With room for rounding.
@@ -298,7 +303,9 @@ impl Stored {
         let along = offset.dot(Vec3::from(self.axis));
         let from_axis = (offset.length_squared() - along * along).max(0.0).sqrt();
         let (a2, b2) = (major * major, minor * minor);
-        along.abs() <= major + margin && from_axis <= (b2 + HEIGHT_SQ * (a2 + b2)).sqrt() + margin
+        let shift = (minor - self.fold).max(0.0);
+        along.abs() <= major + margin
+            && from_axis <= (b2 + HEIGHT_SQ * (a2 + b2)).sqrt() + shift + margin
     }
 }
 

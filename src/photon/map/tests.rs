@@ -1,3 +1,5 @@
+mod fold;
+
 use std::f64::consts::{FRAC_2_PI, PI};
 
 use glam::Vec3;
@@ -62,6 +64,7 @@ fn turned(angle: f64, major: f64, minor: f64) -> Footprint {
     Footprint {
         major: DVec3::new(cos, sin, 0.0) * major,
         minor,
+        fold: f64::INFINITY,
     }
 }
 
@@ -87,7 +90,10 @@ fn agrees_with_brute_force() {
         let kind = s.next_1d();
         let major = 0.003 * 100f64.powf(s.next_1d());
         let minor = major * 100f64.powf(-s.next_1d());
-        let footprint = turned(2.0 * PI * s.next_1d(), major, minor);
+        let mut footprint = turned(2.0 * PI * s.next_1d(), major, minor);
+        if s.next_1d() < 0.5 {
+            footprint.fold = 1e-4 + 0.02 * s.next_1d() * s.next_1d();
+        }
         (0.0, (kind < 0.9).then_some(footprint))
     });
     for (i, p) in photons.iter_mut().enumerate() {
@@ -124,9 +130,11 @@ fn agrees_with_brute_force() {
             let (along, across, a, b) = match ph.footprint {
                 Some(f) => {
                     let axis = f.major.normalize();
-                    let size = |x: f64| (0.5 * x).clamp(q.kernels.least, most);
-                    let (a, b) = (size(f.major.length()), size(f.minor));
-                    (o.dot(axis), o.dot(axis.cross(DVec3::Z)), a, b)
+                    let size = |x: f64| x.clamp(q.kernels.least, most);
+                    let a = size(0.5 * f.major.length());
+                    let b = size((0.5 * f.minor).min(f.fold));
+                    let away = (b - f.fold).max(0.0);
+                    (o.dot(axis), o.dot(DVec3::Z.cross(axis)) - away, a, b)
                 }
                 None => (o.x, o.y, q.kernels.blind, q.kernels.blind),
             };
