@@ -125,7 +125,7 @@ fn stacked_blocks_are_a_slab_of_two_layers() {
                     };
                     let scene = scene_of(CAMERA, [8, 8], &text, LAMP, "");
                     for (i, angle) in [0.0, 0.2, 0.8, 1.2f64].into_iter().enumerate() {
-                        let side = if (i + order as usize) % 2 == 0 {
+                        let side = if (i as i32 + order) % 2 == 0 {
                             1.0
                         } else {
                             -1.0
