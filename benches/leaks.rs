@@ -5,7 +5,8 @@
 //!
 //! `cargo bench --bench leaks -- 1e9 1e8` shoots 1e9 rays in meshes and 1e8
 //! from every kind of surface; a million in meshes and a hundred thousand from
-//! every kind if nothing is said. `-- 0 1e8 torus lens` names the kinds.
+//! every kind if nothing is said. `-- 0 1e8 torus lens` names the kinds, and
+//! `seed=8` goes on where a hunt with lesser seeds has left off.
 
 #[path = "../tests/geometry/along.rs"]
 mod along;
@@ -14,11 +15,16 @@ mod composed;
 #[allow(dead_code, reason = "a module of the tests, of which this uses a part")]
 #[path = "../tests/geometry/exact.rs"]
 mod exact;
+#[path = "../tests/geometry/field.rs"]
+mod field;
 #[path = "../tests/geometry/kinds.rs"]
 mod kinds;
 #[allow(dead_code, reason = "a module of the tests, of which this uses a part")]
 #[path = "../tests/geometry/leaks.rs"]
 mod leaks;
+#[allow(dead_code, reason = "a module of the tests, of which this uses a part")]
+#[path = "../tests/geometry/quick.rs"]
+mod quick;
 #[allow(dead_code, reason = "a module of the tests, of which this uses a part")]
 #[path = "../tests/geometry/scenes.rs"]
 mod scenes;
@@ -40,27 +46,30 @@ fn main() -> ExitCode {
         .map(|n| n as u64);
     let in_meshes = counts.next().unwrap_or(1_000_000);
     let per_surface = counts.next().unwrap_or(100_000);
-    report("surface                        rays   undecided    missed  false hits");
+    report("surface                        rays    in floats   undecided    missed  false hits");
+    let seed: u64 = std::env::args()
+        .find_map(|a| a.strip_prefix("seed=")?.parse().ok())
+        .unwrap_or(0);
     let mut leaks = 0;
     let mut tell = |name: &str, bag: Bag| {
         leaks += bag.leaks();
         report(&format!(
-            "{name:<20} {:>14} {:>11} {:>9} {:>11}",
-            bag.rays, bag.undecided, bag.missed, bag.false_hits
+            "{name:<20} {:>14} {:>12} {:>11} {:>9} {:>11}",
+            bag.rays, bag.glances, bag.undecided, bag.missed, bag.false_hits
         ));
     };
     if in_meshes > 0 {
         tell(
             "mesh",
-            jobs(in_meshes, |seed| hunt_meshes(seed, JOB, 10_000)),
+            jobs(seed, in_meshes, |seed| hunt_meshes(seed, JOB, 10_000)),
         );
     }
     let wanted: Vec<String> = std::env::args()
         .skip(1)
-        .filter(|a| a.parse::<f64>().is_err() && !a.starts_with('-'))
+        .filter(|a| a.parse::<f64>().is_err() && !a.starts_with('-') && !a.starts_with("seed="))
         .collect();
     for name in surfaces().filter(|&n| wanted.is_empty() || wanted.iter().any(|w| w == n)) {
-        let bag = jobs(per_surface, |seed| hunt_surface(name, seed, JOB));
+        let bag = jobs(seed, per_surface, |seed| hunt_surface(name, seed, JOB));
         tell(name, bag);
     }
     if leaks == 0 {
@@ -70,9 +79,10 @@ fn main() -> ExitCode {
     ExitCode::FAILURE
 }
 
-/// Jobs enough for `rays`, each with a seed of its own.
-fn jobs(rays: u64, job: impl Fn(u64) -> Bag + Sync) -> Bag {
-    (0..rays.div_ceil(JOB))
+/// Jobs enough for `rays`, each with a seed of its own, of which this many were
+/// used before.
+fn jobs(used: u64, rays: u64, job: impl Fn(u64) -> Bag + Sync) -> Bag {
+    (used..used + rays.div_ceil(JOB))
         .into_par_iter()
         .map(|seed| job(seed.wrapping_mul(0x9e37_79b9_7f4a_7c15)))
         .reduce(Bag::default, Bag::plus)

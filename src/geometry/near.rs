@@ -6,7 +6,7 @@
 
 use glam::DVec3;
 
-use super::{Instance, Ray, Surface, World};
+use super::{Hit, Instance, Ray, Surface, SurfaceId, World};
 
 impl World {
     /// The instances that `counts` names whose surface may come within
@@ -38,14 +38,51 @@ impl World {
         (found, clear)
     }
 
+    /// [`World::closest`], and whether another instance is met at most `window`
+    /// times the distance and the largest coordinate of the ray's origin farther.
+    #[inline(never)]
+    pub fn closest_and_crowd(&self, ray: &Ray, t_max: f64, window: f64) -> Option<(Hit, bool)> {
+        let far = ray.origin.abs().max_element();
+        let mut best: Option<(Hit, bool)> = None;
+        let within = |t: f64| (t + window * (far + t)).min(t_max);
+        let mut ask = |t: f64, &i: &u32| {
+            let Some(hit) = self.closest_on(i, ray, t) else {
+                return t;
+            };
+            best = Some(match best {
+                Some((nearest, _)) if nearest.t <= hit.t => (nearest, true),
+                Some((other, _)) => (hit, other.t < within(hit.t)),
+                None => (hit, false),
+            });
+            best.map_or(t, |(nearest, _)| within(nearest.t))
+        };
+        let t = self.apart().iter().fold(t_max, &mut ask);
+        self.bvh().closest(ray.origin, ray.dir, t, |slots, t| {
+            self.in_slots(slots).iter().fold(t, &mut ask)
+        });
+        best
+    }
+
+    /// Where a ray first meets an instance, if it does before `t_max` metres.
+    pub fn closest_on(&self, instance: u32, ray: &Ray, t_max: f64) -> Option<Hit> {
+        let leaving = super::world::leaving_part(ray, instance);
+        let hit = self.instances()[instance as usize].intersect(ray, t_max, leaving)?;
+        Some(Hit {
+            t: hit.t,
+            surface: SurfaceId {
+                instance,
+                part: hit.part,
+            },
+            uv: hit.uv,
+        })
+    }
+
     /// The distance at which a ray meets the first of the named instances,
     /// if it does before `t_max` metres.
     pub fn closest_of(&self, instances: &[u32], ray: &Ray, t_max: f64) -> Option<f64> {
         let mut nearest = None;
         for &i in instances {
-            let leaving = super::world::leaving_part(ray, i);
-            let t_max = nearest.unwrap_or(t_max);
-            let hit = self.instances()[i as usize].intersect(ray, t_max, leaving);
+            let hit = self.closest_on(i, ray, nearest.unwrap_or(t_max));
             nearest = hit.map(|h| h.t).or(nearest);
         }
         nearest

@@ -20,6 +20,7 @@ pub enum Roots {
 ///
 /// Roots that are not finite are left out. With `a = h = 0` there is no root,
 /// also when `k = 0`.
+#[inline]
 pub fn quadratic(a: f64, h: f64, k: f64) -> Roots {
     quadratic_with_discriminant(a, h, k, difference_of_products(h, h, a, k))
 }

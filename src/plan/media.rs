@@ -12,10 +12,21 @@ pub const MOST_MEDIA: usize = 7;
 /// body's surface.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Media {
-    /// Ascending; zero behind the last.
+    /// Ascending by rank; zero behind the last.
     ranks: [u16; MOST_MEDIA],
     count: u16,
 }
+
+/// Ranks are below this.
+pub(super) const RANKS: u16 = 1 << 14;
+
+/// Mark of a body whose surface coincides with the one that the path has met:
+/// the side of that one on which the path goes on tells whether it is in the
+/// body.
+const SHARED: u16 = 1 << 15;
+
+/// Beside that mark: the body is on the inner side.
+const INNER: u16 = 1 << 14;
 
 impl Media {
     /// Outside of all bodies.
@@ -24,21 +35,58 @@ impl Media {
         count: 0,
     };
 
-    /// The ranks of the bodies, ascending.
+    /// The ranks of the bodies, ascending, once it is known on which side of a
+    /// surface the path goes on.
     pub fn ranks(&self) -> &[u16] {
         &self.ranks[..self.count as usize]
     }
 
     /// The highest rank: whose medium is there. `None` outside of all bodies.
+    /// A body of which it depends on the side of a surface does not count.
     pub fn top(&self) -> Option<u16> {
-        self.ranks().last().copied()
+        let known = |r: &&u16| **r & SHARED == 0;
+        self.ranks().iter().rev().find(known).copied()
+    }
+
+    /// Where the path has met a surface with which that of another body
+    /// coincides: the body is on the `inner` side of the surface met, or else
+    /// on the outer one.
+    #[must_use]
+    pub(super) fn shared(self, rank: u16, inner: bool) -> Self {
+        let mut media = self.with(rank);
+        let found = media.ranks[..media.count as usize].iter_mut();
+        for r in found.filter(|r| **r == rank) {
+            *r |= if inner { SHARED | INNER } else { SHARED };
+        }
+        media
+    }
+
+    /// The bodies on the inner side of the surface met or on its outer one.
+    #[must_use]
+    pub(super) fn on_side(self, inner: bool) -> Self {
+        let shared = |r: &&u16| **r & SHARED != 0;
+        let Some(&r) = self.ranks().iter().find(shared) else {
+            return self;
+        };
+        let mut media = self;
+        let at = media.position(r & (RANKS - 1));
+        media.ranks[at] &= RANKS - 1;
+        if (r & INNER != 0) != inner {
+            media = media.without(r & (RANKS - 1));
+        }
+        media.on_side(inner)
+    }
+
+    /// How many bodies of lower rank there are.
+    fn position(&self, rank: u16) -> usize {
+        self.ranks().partition_point(|&r| r & (RANKS - 1) < rank)
     }
 
     /// Inside the body of a rank, too.
     #[must_use]
     pub fn with(mut self, rank: u16) -> Self {
         let count = self.count as usize;
-        let at = self.ranks().partition_point(|&r| r < rank);
+        let at = self.position(rank);
         if self.ranks().get(at) == Some(&rank) {
             return self;
         }
@@ -57,7 +105,7 @@ impl Media {
     #[must_use]
     pub fn without(mut self, rank: u16) -> Self {
         let count = self.count as usize;
-        let at = self.ranks().partition_point(|&r| r < rank);
+        let at = self.position(rank);
         if self.ranks().get(at) == Some(&rank) {
             self.ranks.copy_within(at + 1..count, at);
             self.ranks[count - 1] = 0;
@@ -74,6 +122,20 @@ mod tests {
     use proptest::prelude::*;
 
     use super::*;
+
+    /// What is on either side of several surfaces in one place.
+    #[test]
+    fn shared_surfaces_have_two_sides() {
+        let media = Media::NONE.with(1).with(4).with(9);
+        let met = media
+            .without(4)
+            .shared(4, true)
+            .shared(2, false)
+            .shared(9, true);
+        assert_eq!(met.on_side(true), media);
+        assert_eq!(met.on_side(false), Media::NONE.with(1).with(2));
+        assert_eq!(media.on_side(true), media);
+    }
 
     proptest! {
         /// Against the standard library's set, whose lowest member goes where

@@ -12,14 +12,15 @@ use glam::DVec3;
 use crate::{
     geometry::{Aabb, BoundingSphere, World},
     material::Material,
+    numeric::gamma,
     scene::Scene,
 };
 
-use super::Media;
+use super::{Media, media::RANKS};
 
 /// Most bodies that take part; of more, those of the lowest ranks do as if
 /// they were alone in air.
-const MOST_BODIES: usize = 1 << 15;
+const MOST_BODIES: usize = RANKS as usize;
 
 /// A closed object of a clear medium.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -102,24 +103,33 @@ impl Nest {
         media.top().map_or(1.0, |r| self.bodies[r as usize].ior)
     }
 
-    /// Index inside a body's surface over that of what surrounds it where a path
-    /// in `media` meets it; `None` if another medium fills both sides, and there
-    /// is nothing to see.
+    /// Index on the inner side of a surface over that on its outer side, with
+    /// the bodies on either; `None` if one medium fills both sides, and there is
+    /// nothing to see.
     #[inline]
-    pub fn ior(&self, rank: u16, media: &Media) -> Option<f64> {
-        let outside = media.without(rank);
-        let hidden = outside.top().is_some_and(|other| other > rank);
-        (!hidden).then(|| self.bodies[rank as usize].ior / self.index(&outside))
+    pub fn ior(&self, inner: &Media, outer: &Media) -> Option<f64> {
+        (inner.top() != outer.top()).then(|| self.index(inner) / self.index(outer))
+    }
+
+    /// What a path knows that has met a surface, with the bodies on its sides:
+    /// the `media` that it was in, and of those whose surfaces coincide there on
+    /// which side they are.
+    pub fn shared(&self, mut media: Media, instance: u32, inner: bool) -> Media {
+        if let Some(rank) = self.rank(instance) {
+            media = media.without(rank).shared(rank, inner);
+        }
+        media
     }
 
     /// The bodies around a path in `media` that goes on from the surface of an
     /// instance, on its inner side or not.
     ///
-    /// The side tells whether it is in that body, whatever `media` says: a
-    /// surface that was missed, by a rounding or where two coincide, is made up
-    /// for at the next one of the same body.
+    /// The side tells whether it is in that body, and in those whose surfaces
+    /// coincide there, whatever else `media` says: a surface that was missed by
+    /// a rounding is made up for at the next one of the same body.
     #[inline]
     pub fn beside(&self, instance: u32, inside: bool, media: &Media) -> Media {
+        let media = &media.on_side(inside);
         match self.rank(instance) {
             Some(rank) if inside => media.with(rank),
             Some(rank) => media.without(rank),
@@ -199,7 +209,10 @@ impl Nest {
         let mut boxes: Vec<(&Body, Aabb)> = self
             .bodies
             .iter()
-            .map(|b| (b, world.instance_bounds(b.instance).unwrap_or(everywhere)))
+            .map(|b| {
+                let bounds = world.instance_bounds(b.instance).unwrap_or(everywhere);
+                (b, bounds.padded(gamma(ROUNDINGS) * bounds.max_abs()))
+            })
             .collect();
         let axis = widest_axis(&boxes);
         boxes.sort_by(|a, b| a.1.min[axis].total_cmp(&b.1.min[axis]));
@@ -254,6 +267,10 @@ impl Start {
     }
 }
 
+/// What touches may be parted by this many roundings of its coordinates, and
+/// counts as touching.
+const ROUNDINGS: u32 = 64;
+
 /// Pairs of bodies, and points of each, that are looked at for a tie.
 const MOST_PAIRS: u32 = 1000;
 const POINTS: u32 = 64;
@@ -280,7 +297,9 @@ fn near(world: &World, a: &Body, b: &Body) -> bool {
     let (Some(a), Some(b)) = (sphere(a), sphere(b)) else {
         return true;
     };
-    a.center.distance(b.center) <= a.radius + b.radius
+    let far = a.center.abs().max(b.center.abs()).max_element();
+    let off = gamma(ROUNDINGS) * (far + a.radius + b.radius);
+    a.center.distance(b.center) <= a.radius + b.radius + off
 }
 
 /// Whether one of some points in the boxes of two bodies lies in both. The

@@ -1,14 +1,16 @@
 //! What a path meets next, and between which media.
 //!
 //! Where bodies of clear media overlap, surfaces inside a body of higher rank
-//! are none: a path goes through them as if nothing were there.
+//! are none: a path goes through them as if nothing were there. Surfaces of
+//! several bodies in one place are one surface, between the media on its sides.
 
 use glam::DVec3;
 
 use crate::{
     geometry::{Hit, Ray, SurfacePoint},
     material::Material,
-    plan::Media,
+    numeric::gamma,
+    plan::{Media, Nest},
 };
 
 use super::Context;
@@ -18,7 +20,8 @@ use super::Context;
 pub struct Met {
     /// The hit; its `t` is the whole way from the ray's origin.
     pub hit: Hit,
-    /// The point.
+    /// The point; where surfaces of several bodies coincide, that of one of them
+    /// with an error that holds all.
     pub point: SurfacePoint,
     /// The material between the media that are there: of a body's surface,
     /// `ior` is the index inside over that of what surrounds it here.
@@ -85,7 +88,7 @@ fn meet_nested(ctx: &Context<'_>, mut ray: Ray, t_max: f64, media: &mut Media) -
     let nest = &ctx.plan.nest.as_ref()?.nest;
     let mut way = 0.0;
     for _ in 0..MOST_HIDDEN {
-        let hit = world.closest(&ray, t_max - way)?;
+        let (hit, crowded) = world.closest_and_crowd(&ray, t_max - way, NEAR)?;
         let point = world.surface(&ray, &hit);
         way += hit.t;
         let met = Met {
@@ -93,17 +96,82 @@ fn meet_nested(ctx: &Context<'_>, mut ray: Ray, t_max: f64, media: &mut Media) -
             point,
             material: ctx.scene.object(hit.surface).material,
         };
-        let Some(rank) = nest.rank(hit.surface.instance) else {
+        if nest.rank(hit.surface.instance).is_none() {
             return Some(met);
+        }
+        // Errors are far smaller still, so that only at grazing angles a surface
+        // outside of the window may be in the same place.
+        let place = if crowded || point.ng.dot(ray.dir).abs() < GRAZING {
+            Place::of(ctx, nest, &ray, &hit, point, *media)
+        } else {
+            let media = *media;
+            Place { point, media }
         };
-        if let Some(ior) = nest.ior(rank, media) {
+        let [inner, outer] =
+            [true, false].map(|inside| nest.beside(hit.surface.instance, inside, &place.media));
+        if let Some(ior) = nest.ior(&inner, &outer) {
+            *media = place.media;
             return Some(Met {
+                point: place.point,
                 material: met.material.with_index(ior),
                 ..met
             });
         }
-        *media = media_beside(ctx, *media, &point, ray.dir);
-        ray = point.spawn(ray.dir);
+        *media = media_beside(ctx, place.media, &place.point, ray.dir);
+        ray = place.point.spawn(ray.dir);
     }
     None
+}
+
+/// Over the coordinates, how near to a point surfaces are looked at: far more
+/// than errors, far less than what is modelled.
+const NEAR: f64 = 1.0 / (1u64 << 30) as f64;
+
+/// A cosine below which rays graze.
+const GRAZING: f64 = 1.0 / 256.0;
+
+/// Where a path meets the surface of a body, and maybe of others.
+struct Place {
+    point: SurfacePoint,
+    /// The bodies around the path before; of those whose surfaces coincide with
+    /// this one, on which side of it they are.
+    media: Media,
+}
+
+impl Place {
+    /// Surfaces at `t_1 < t_2` with the normals `n_1`, `n_2` and the errors
+    /// `e_1`, `e_2` are in one place if `(t_2 - t_1) max |n_i . d|` is at most
+    /// `e_1 + e_2` and the rounding of the ray's own numbers, as in solids.
+    fn of(
+        ctx: &Context<'_>,
+        nest: &Nest,
+        ray: &Ray,
+        hit: &Hit,
+        point: SurfacePoint,
+        media: Media,
+    ) -> Self {
+        let world = &ctx.scene.world;
+        let far = ray.origin.abs().max_element() + hit.t;
+        let near = NEAR * far;
+        let other = |i: u32| i != hit.surface.instance && nest.rank(i).is_some();
+        let (others, _) = world.neighbours(point.p, near, other);
+        let mut place = Self { point, media };
+        let rounding = gamma(24) * far;
+        let cosine = point.ng.dot(ray.dir);
+        for i in others {
+            // The first surface of all is the one that was met.
+            let Some(next) = world.closest_on(i, ray, hit.t + near / cosine.abs()) else {
+                continue;
+            };
+            let beside = world.surface(ray, &next);
+            let errors = point.error + beside.error + rounding;
+            let slope = beside.ng.dot(ray.dir);
+            if (next.t - hit.t) * slope.abs().max(cosine.abs()) <= errors {
+                place.media = nest.shared(place.media, i, (slope < 0.0) == (cosine < 0.0));
+                // A ray that goes on from here starts beyond them all.
+                place.point.error = place.point.error.max(2.0 * errors);
+            }
+        }
+        place
+    }
 }

@@ -1,36 +1,74 @@
-//! Polynomials along a ray, with 32 digits and a bound on what these lose:
-//! signs that are proven, and roots between proven signs.
+//! Polynomials along a ray, with 32 digits or with those of a float, and a
+//! bound on what these lose: signs that are proven, and roots between proven
+//! signs.
 
-use std::ops::{Add, Mul, Sub};
+use std::ops::{Add, Mul};
 
 use crate::exact::Dd;
 
 /// As high as a torus needs.
-const DEGREE: usize = 4;
+pub(crate) const DEGREE: usize = 4;
 
-/// What a coefficient may be off, over the sum of the magnitudes of its
-/// terms: each operation of [`Dd`] is good to 2^-102, and no coefficient takes
-/// more than 64 of them, nor does a value at one place.
-const LOST: f64 = 1.0 / (1u128 << 95) as f64;
+/// Numbers that polynomials are made of.
+pub(crate) trait Digits: Copy + Add<Output = Self> + Mul<Output = Self> {
+    /// What a coefficient may be off, over the sum of the magnitudes of its
+    /// terms: 2^7 times what one operation may be, as no coefficient takes more
+    /// than 64 of them, nor does a value at one place.
+    const LOST: f64;
+    fn of(x: Dd) -> Self;
+    /// The difference of two floats.
+    fn less(self, x: f64) -> Self;
+    fn round(self) -> f64;
+}
+
+/// Each operation is good to 2^-102.
+impl Digits for Dd {
+    const LOST: f64 = 1.0 / (1u128 << 95) as f64;
+    fn of(x: Dd) -> Self {
+        x
+    }
+    fn less(self, x: f64) -> Self {
+        self - Self::of(x)
+    }
+    fn round(self) -> f64 {
+        self.round()
+    }
+}
+
+impl Digits for f64 {
+    const LOST: f64 = 1.0 / (1u64 << 46) as f64;
+    fn of(x: Dd) -> Self {
+        x.round()
+    }
+    fn less(self, x: f64) -> Self {
+        self - x
+    }
+    fn round(self) -> f64 {
+        self
+    }
+}
 
 /// A polynomial in the parameter of a ray.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Poly {
-    terms: [Dd; DEGREE + 1],
+pub(crate) struct Poly<N = Dd> {
+    pub(crate) terms: [N; DEGREE + 1],
     /// The same with the magnitudes of all that is added up.
-    sizes: [f64; DEGREE + 1],
-    degree: usize,
+    pub(crate) sizes: [f64; DEGREE + 1],
+    pub(crate) degree: usize,
 }
 
-impl Poly {
+impl<N: Digits> Poly<N> {
     pub(crate) fn constant(c: Dd) -> Self {
-        Self::line(c, Dd::of(0.0)).cut(0)
+        Self {
+            degree: 0,
+            ..Self::line(c, Dd::of(0.0))
+        }
     }
 
     /// `a + b t`.
     pub(crate) fn line(a: Dd, b: Dd) -> Self {
-        let mut terms = [Dd::of(0.0); DEGREE + 1];
-        [terms[0], terms[1]] = [a, b];
+        let mut terms = [N::of(Dd::of(0.0)); DEGREE + 1];
+        [terms[0], terms[1]] = [a, b].map(N::of);
         Self {
             terms,
             sizes: terms.map(|c| c.round().abs()),
@@ -38,17 +76,13 @@ impl Poly {
         }
     }
 
-    /// A coordinate of a ray from another place: the difference of two floats
-    /// is exact here.
+    /// A coordinate of a ray from another place, which is good to a rounding of
+    /// the difference.
     pub(crate) fn less(self, place: f64) -> Self {
         let mut moved = self;
-        moved.terms[0] = self.terms[0] - Dd::of(place);
+        moved.terms[0] = self.terms[0].less(place);
         moved.sizes[0] = moved.terms[0].round().abs();
         moved
-    }
-
-    fn cut(self, degree: usize) -> Self {
-        Self { degree, ..self }
     }
 
     /// The coefficient of `t`.
@@ -57,21 +91,20 @@ impl Poly {
     }
 
     pub(crate) fn times(self, factor: Dd) -> Self {
-        Self {
-            terms: self.terms.map(|c| c * factor),
-            sizes: self.sizes.map(|s| s * factor.round().abs()),
-            ..self
+        let mut product = self;
+        let (by, size) = (N::of(factor), factor.round().abs());
+        for i in 0..=self.degree {
+            product.terms[i] = self.terms[i] * by;
+            product.sizes[i] = self.sizes[i] * size;
         }
+        product
     }
 
-    pub(crate) fn squared(self) -> Self {
-        self * self
-    }
-
-    fn derivative(&self) -> Self {
-        let mut d = Self::constant(Dd::of(0.0)).cut(self.degree.saturating_sub(1));
+    pub(crate) fn derivative(&self) -> Self {
+        let mut d = Self::constant(Dd::of(0.0));
+        d.degree = self.degree.saturating_sub(1);
         for i in 1..=self.degree {
-            d.terms[i - 1] = self.terms[i] * Dd::of(i as f64);
+            d.terms[i - 1] = self.terms[i] * N::of(Dd::of(i as f64));
             d.sizes[i - 1] = self.sizes[i] * i as f64;
         }
         d
@@ -79,15 +112,17 @@ impl Poly {
 
     /// The value, and a bound on what is wrong with it.
     pub(crate) fn at(&self, t: f64) -> (f64, f64) {
-        let (x, far) = (Dd::of(t), t.abs());
+        let (x, far) = (N::of(Dd::of(t)), t.abs());
         let (mut value, mut size) = (self.terms[self.degree], self.sizes[self.degree]);
         for i in (0..self.degree).rev() {
             value = value * x + self.terms[i];
             size = size * far + self.sizes[i];
         }
-        (value.round(), LOST * size)
+        (value.round(), N::LOST * size)
     }
+}
 
+impl Poly {
     /// The sign, 0 where it isn't proven.
     pub(crate) fn sign(&self, t: f64) -> i8 {
         let (value, lost) = self.at(t);
@@ -145,28 +180,27 @@ impl Poly {
     }
 }
 
-impl Add for Poly {
+impl<N: Digits> Add for Poly<N> {
     type Output = Self;
     fn add(self, o: Self) -> Self {
-        Self {
-            terms: std::array::from_fn(|i| self.terms[i] + o.terms[i]),
-            sizes: std::array::from_fn(|i| self.sizes[i] + o.sizes[i]),
-            degree: self.degree.max(o.degree),
+        let (mut sum, other) = if self.degree < o.degree {
+            (o, self)
+        } else {
+            (self, o)
+        };
+        for i in 0..=other.degree {
+            sum.terms[i] = sum.terms[i] + other.terms[i];
+            sum.sizes[i] += other.sizes[i];
         }
+        sum
     }
 }
 
-impl Sub for Poly {
-    type Output = Self;
-    fn sub(self, o: Self) -> Self {
-        self + o.times(Dd::of(-1.0))
-    }
-}
-
-impl Mul for Poly {
+impl<N: Digits> Mul for Poly<N> {
     type Output = Self;
     fn mul(self, o: Self) -> Self {
-        let mut product = Self::constant(Dd::of(0.0)).cut(self.degree + o.degree);
+        let mut product = Self::constant(Dd::of(0.0));
+        product.degree = self.degree + o.degree;
         for i in 0..=self.degree {
             for j in 0..=o.degree {
                 product.terms[i + j] = product.terms[i + j] + self.terms[i] * o.terms[j];
@@ -205,7 +239,7 @@ fn planted_roots_are_found() {
             assert!(near <= 8.0 * f64::EPSILON, "{root}, {gap:e}: {near:e}");
         }
     }
-    let none = factor(1.0).squared() + Poly::constant(Dd::of(1e-25));
+    let none = factor(1.0) * factor(1.0) + Poly::constant(Dd::of(1e-25));
     let mut found = Vec::new();
     none.breaks(0.0, 5.0, &mut found);
     assert_eq!(found.len(), 1, "nothing but the turning point: {found:?}");

@@ -13,10 +13,10 @@ use nephroid::{
 };
 
 use crate::{
-    along::Poly,
+    field::{Field, Term, from},
     kinds::{all_from, ball, closed, cuboid, faces, one, solid, square_of, torus_field, turned},
     scenes::{Random, instance},
-    truth::{Field, Tree, Truth, from},
+    truth::{Tree, Truth},
 };
 
 fn not(tree: Tree) -> Tree {
@@ -119,7 +119,7 @@ pub(crate) fn implicit(random: &mut Random, name: &str, at: DVec3, size: f64) ->
         "formula: ellipsoid" => {
             let [a, b, c] = [0; 3].map(|_| random.range(0.5, 3.0));
             let text = format!("{a:?}*{x}^2 + {b:?}*{y}^2 + {c:?}*{z}^2 - {size:?}^2*0.5");
-            let field: Field = Box::new(move |x| {
+            let field = Field::of(move |x| {
                 let x = from(x, at);
                 let terms = [a, b, c];
                 let sum = (0..3).map(|i| x[i].squared().times(one(terms[i])));
@@ -141,10 +141,10 @@ pub(crate) fn implicit(random: &mut Random, name: &str, at: DVec3, size: f64) ->
                 s = 0.4 * size
             );
             let s2 = one(0.4 * size) * one(0.4 * size);
-            let field: Field = Box::new(move |x| {
-                let x = from(x, at);
-                let term = |p: Poly| p.squared().squared() - p.squared().times(one(5.0) * s2);
-                term(x[0]) + term(x[1]) + term(x[2]) + Poly::constant(one(11.8) * s2 * s2)
+            let field = Field::of(move |x| {
+                let squares = from(x, at).map(Term::squared);
+                let terms = squares.map(|q| q.squared() - q.times(one(5.0) * s2));
+                terms[0] + terms[1] + terms[2] + Term::constant(one(11.8) * s2 * s2)
             });
             (text, field)
         }

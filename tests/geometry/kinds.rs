@@ -13,11 +13,11 @@ use nephroid::{
 };
 
 use crate::{
-    along::Poly,
     composed::{compose, implicit},
     exact::{Dd, Vec3Dd, cross, dot, vec},
+    field::{Field, Term, across, between, from, half_space, square},
     scenes::{Random, instance},
-    truth::{Field, Tree, Truth, across, between, from, half_space, square},
+    truth::{Tree, Truth},
 };
 
 /// The kinds that [`kind`] makes.
@@ -64,13 +64,13 @@ pub(crate) fn one(x: f64) -> Dd {
     Dd::of(x)
 }
 
-pub(crate) fn square_of(x: f64) -> Poly {
-    Poly::constant(one(x) * one(x))
+pub(crate) fn square_of<'a>(x: f64) -> Term<'a> {
+    Term::constant(one(x) * one(x))
 }
 
 /// The field of a sphere.
 pub(crate) fn ball(center: DVec3, radius: f64) -> Field {
-    Box::new(move |x| square(&from(x, center)) - square_of(radius))
+    Field::of(move |x| square(&from(x, center)) - square_of(radius))
 }
 
 /// Between two points on an axis: how far across and along, the latter from 0
@@ -79,12 +79,12 @@ pub(crate) fn ball(center: DVec3, radius: f64) -> Field {
 pub(crate) fn turned(
     base: DVec3,
     end: DVec3,
-    side: impl Fn(Poly, Poly) -> Poly + Send + Sync + 'static,
+    side: impl for<'a> FnOnce(Term<'a>, Term<'a>) -> Term<'a>,
 ) -> Vec<Field> {
     let axis = between(base, end);
     let back = axis.map(|a| one(0.0) - a);
     let length2 = dot(axis, axis);
-    let side: Field = Box::new(move |x| {
+    let side = Field::of(move |x| {
         let x = from(x, base);
         let s = across(&x, axis).times(one(1.0) / length2);
         let z2 = s.squared().times(length2);
@@ -93,8 +93,8 @@ pub(crate) fn turned(
     vec![side, half_space(base, back), half_space(end, axis)]
 }
 
-pub(crate) fn constant(x: f64) -> Poly {
-    Poly::constant(one(x))
+pub(crate) fn constant<'a>(x: f64) -> Term<'a> {
+    Term::constant(one(x))
 }
 
 /// The six faces of a box.
@@ -110,11 +110,11 @@ pub(crate) fn torus_field(center: DVec3, axis: DVec3, major: f64, minor: f64) ->
     let axis = vec(axis);
     let length2 = dot(axis, axis);
     let (r2, s2) = (one(major) * one(major), one(minor) * one(minor));
-    Box::new(move |x| {
+    Field::of(move |x| {
         let x = from(x, center);
         let all = square(&x);
         let z2 = across(&x, axis).squared().times(one(1.0) / length2);
-        (all + Poly::constant(r2 - s2)).squared() - (all - z2).times(one(4.0) * r2)
+        (all + Term::constant(r2 - s2)).squared() - (all - z2).times(one(4.0) * r2)
     })
 }
 
@@ -203,7 +203,7 @@ pub(crate) fn kind(random: &mut Random, name: &str, at: DVec3, size: f64) -> (Sh
             let w2 = one(waist) * one(waist);
             let [a, b] = [r, top].map(|r| (one(r) * one(r) - w2).sqrt());
             let fields = turned(at, end, move |across2, s| {
-                across2 - Poly::constant(w2) - (s.times(a + b) - Poly::constant(a)).squared()
+                across2 - Term::constant(w2) - (s.times(a + b) - Term::constant(a)).squared()
             });
             bounded(shape, capped, fields, reach)
         }
@@ -258,7 +258,7 @@ fn ellipsoid(random: &mut Random, at: DVec3, size: f64, least: f64) -> (Shape, T
     let rows: [Vec3Dd; 3] = std::array::from_fn(|i| {
         cross(columns[(i + 1) % 3], columns[(i + 2) % 3]).map(|x| x / volume)
     });
-    let field: Field = Box::new(move |x| {
+    let field = Field::of(move |x| {
         let x = from(x, at);
         square(&rows.map(|row| across(&x, row))) - constant(1.0)
     });
@@ -296,7 +296,7 @@ fn quadric(random: &mut Random, name: &str, at: DVec3, size: f64) -> (Shape, Tru
             - if open { 0.0 } else { size * size },
     ];
     let q = coefficients;
-    let field: Field = Box::new(move |x| {
+    let field = Field::of(move |x| {
         let products = [
             x[0] * x[0],
             x[1] * x[1],

@@ -7,7 +7,7 @@ use std::sync::Arc;
 use glam::DVec3;
 use nephroid::{
     geometry::{
-        Ray, Shape, SurfacePoint, TriangleMesh,
+        Ray, Shape, SurfacePoint, TriangleMesh, World,
         shape::{Disc, Plane, Quad, Triangle},
     },
     numeric::Frame,
@@ -28,6 +28,8 @@ const SHIFTS: [f64; 5] = [0.0, 1.0, 1e2, 1e4, 1e5];
 pub(crate) struct Bag {
     /// Rays shot.
     pub(crate) rays: u64,
+    /// Rays that a glance in floats was enough for.
+    pub(crate) glances: u64,
     /// Rays of which moving their start by the error that it states might
     /// change what they meet: they decide nothing.
     pub(crate) undecided: u64,
@@ -41,6 +43,7 @@ impl Bag {
     pub(crate) fn plus(self, other: Self) -> Self {
         Self {
             rays: self.rays + other.rays,
+            glances: self.glances + other.glances,
             undecided: self.undecided + other.undecided,
             missed: self.missed + other.missed,
             false_hits: self.false_hits + other.false_hits,
@@ -105,6 +108,18 @@ pub(crate) fn hunt_surface(name: &str, seed: u64, count: u64) -> Bag {
 /// The same, judged as if the surfaces were of another kind, or larger by a
 /// factor.
 pub(crate) fn hunt_judged(name: &str, as_if: &str, factor: f64, seed: u64, count: u64) -> Bag {
+    hunt(name, as_if, factor, seed, count, Truth::judge)
+}
+
+/// The same, with a judge of the caller's.
+pub(crate) fn hunt(
+    name: &str,
+    as_if: &str,
+    factor: f64,
+    seed: u64,
+    count: u64,
+    judge: impl Fn(&Truth, &World, &SurfacePoint, DVec3) -> Bag,
+) -> Bag {
     let mut random = Random(seed);
     let mut bag = Bag::default();
     while bag.rays < count {
@@ -123,7 +138,7 @@ pub(crate) fn hunt_judged(name: &str, as_if: &str, factor: f64, seed: u64, count
             let point = world.surface(&ray, &hit);
             let dir = away(&mut random, &point);
             bag = bag.plus(match &truth {
-                Some(truth) => truth.judge(&world, &point, dir),
+                Some(truth) => judge(truth, &world, &point, dir),
                 None => Bag {
                     rays: 1,
                     false_hits: u64::from(

@@ -6,12 +6,11 @@ use nephroid::geometry::{Ray, SurfacePoint, World};
 
 use crate::{
     along::Poly,
-    exact::{Dd, Vec3Dd, sub, vec},
+    exact::{Dd, vec},
+    field::Field,
     leaks::Bag,
+    quick::Sight,
 };
-
-/// A polynomial of place, given the coordinates along a ray: negative inside.
-pub(crate) type Field = Box<dyn Fn(&[Poly; 3]) -> Poly + Send + Sync>;
 
 /// What is inside, over the numbers of fields.
 pub(crate) enum Tree {
@@ -24,7 +23,7 @@ pub(crate) enum Tree {
 impl Tree {
     /// Whether it holds, if the signs of the fields are known well enough:
     /// -1, 1 or, where unknown, 0.
-    fn holds(&self, sign: &impl Fn(usize) -> i8) -> Option<bool> {
+    pub(crate) fn holds(&self, sign: &impl Fn(usize) -> i8) -> Option<bool> {
         match self {
             Self::Below(i) => match sign(*i) {
                 0 => None,
@@ -65,6 +64,18 @@ pub(crate) struct Truth {
     pub(crate) size: f64,
 }
 
+/// What a ray meets, as the shape says.
+pub(crate) struct Meets {
+    /// Where it meets the shape first, and then straight on, in its parameter:
+    /// the end of the hunt where nothing is met.
+    pub(crate) first: f64,
+    pub(crate) second: f64,
+    /// Whether anything is met.
+    pub(crate) something: bool,
+    /// Whether it enters there; as if it did if nothing is met.
+    pub(crate) entering: bool,
+}
+
 /// A ray beside a shape.
 struct Walk<'a> {
     truth: &'a Truth,
@@ -97,19 +108,29 @@ enum Verdict {
 }
 
 impl Truth {
-    /// Whether what a ray meets that leaves a point is what it should.
+    /// Whether what a ray meets that leaves a point is what it should: at a
+    /// glance if that tells, by 32 digits if not.
     pub(crate) fn judge(&self, world: &World, point: &SurfacePoint, dir: DVec3) -> Bag {
         let ray = point.spawn(dir);
-        let walk = Walk::new(self, &ray, point);
+        let meets = self.meets(world, &ray);
+        if Sight::confirms(self, &ray, point, &meets) {
+            return Bag {
+                rays: 1,
+                glances: 1,
+                ..Bag::default()
+            };
+        }
+        self.judge_slowly(&ray, point, &meets)
+    }
+
+    /// What a ray meets.
+    pub(crate) fn meets(&self, world: &World, ray: &Ray) -> Meets {
+        let dir = ray.dir;
         let end = 3.0 * self.size;
-        let mut bag = Bag {
-            rays: 1,
-            ..Bag::default()
-        };
-        let hit = world.closest(&ray, f64::INFINITY);
+        let hit = world.closest(ray, f64::INFINITY);
         let first = hit.map_or(end, |hit| hit.t);
         // Where it is met once more, straight on.
-        let met = hit.map(|hit| world.surface(&ray, &hit));
+        let met = hit.map(|hit| world.surface(ray, &hit));
         let second = met.as_ref().map_or(end, |met| {
             let on = met.spawn(dir);
             let past = (on.origin - ray.origin).dot(dir) / dir.length_squared();
@@ -117,19 +138,52 @@ impl Truth {
                 .closest(&on, f64::INFINITY)
                 .map_or(end, |hit| past + hit.t)
         });
-        let entering = met.as_ref().is_none_or(|met| met.ng.dot(dir) < 0.0);
+        Meets {
+            first,
+            second,
+            something: met.is_some(),
+            entering: met.is_none_or(|met| met.ng.dot(dir) < 0.0),
+        }
+    }
+
+    /// What a start of this ray may be off, in metres: the point may be off by
+    /// its error along each axis, and the start is pushed by at most the root
+    /// of 3 times as much and to the next float.
+    pub(crate) fn error_of(&self, ray: &Ray, point: &SurfacePoint) -> f64 {
+        let [by_place, by_way] = self.slack;
+        let largest = ray.origin.abs().max_element();
+        4.0 * (point.error + f64::EPSILON * largest) + by_place * largest + by_way * self.size
+    }
+
+    /// Judges in 32 digits.
+    pub(crate) fn judge_slowly(&self, ray: &Ray, point: &SurfacePoint, meets: &Meets) -> Bag {
+        let &Meets {
+            first,
+            second,
+            something,
+            entering,
+        } = meets;
+        let walk = Walk::new(self, ray, point);
+        let end = 3.0 * self.size;
+        let mut bag = Bag {
+            rays: 1,
+            ..Bag::default()
+        };
         let verdicts = if self.open {
             [
-                walk.crosses_nothing(first.min(end), met.is_some()),
-                met.as_ref()
-                    .map_or(Verdict::Right, |_| walk.is_met_at(first)),
+                walk.crosses_nothing(first.min(end), something),
+                if something {
+                    walk.is_met_at(first)
+                } else {
+                    Verdict::Right
+                },
             ]
         } else {
             let verdicts = walk.compare_all(first.min(end), second.min(end), entering);
             // A chord so short that the normal's rounding decides which end of
             // it was met: the start knows on which side it is.
-            let side = point.ng.dot(dir) > 0.0;
-            if verdicts.contains(&Verdict::Wrong) && met.is_some() && entering != side {
+            let side = point.ng.dot(ray.dir) > 0.0;
+            if verdicts.contains(&Verdict::Wrong) && something && entering != side {
                 match walk.compare_all(first.min(end), second.min(end), side) {
                     other if other.contains(&Verdict::Wrong) => verdicts,
                     _ => [Verdict::Within; 2],
@@ -153,21 +207,14 @@ const LOOKS: u32 = 8;
 
 impl<'a> Walk<'a> {
     fn new(truth: &'a Truth, ray: &'a Ray, point: &SurfacePoint) -> Self {
-        let (o, d) = (vec(ray.origin), vec(ray.dir));
-        let coordinates = std::array::from_fn(|i| Poly::line(o[i], d[i]));
-        let along: Vec<_> = truth.fields.iter().map(|f| f(&coordinates)).collect();
+        let along: Vec<Poly> = truth.fields.iter().map(|f| f.along(ray)).collect();
         let end = 3.0 * truth.size;
         let mut breaks = vec![0.0, end];
         for poly in &along {
             poly.breaks(0.0, end, &mut breaks);
         }
         breaks.sort_by(f64::total_cmp);
-        let [by_place, by_way] = truth.slack;
-        // The point may be off by its error along each axis; the start is
-        // pushed by at most the root of 3 times as much, and to the next float.
-        let largest = ray.origin.abs().max_element();
-        let error =
-            4.0 * (point.error + f64::EPSILON * largest) + by_place * largest + by_way * truth.size;
+        let error = truth.error_of(ray, point);
         let mut walk = Self {
             truth,
             ray,
@@ -192,14 +239,8 @@ impl<'a> Walk<'a> {
     /// How steep a field is there.
     fn slope(&self, field: usize, t: f64) -> f64 {
         let (o, d) = (vec(self.ray.origin), vec(self.ray.dir));
-        let at: Vec3Dd = std::array::from_fn(|i| o[i] + d[i] * Dd::of(t));
-        let squares = (0..3).map(|axis| {
-            let along: [Poly; 3] =
-                std::array::from_fn(|i| Poly::line(at[i], Dd::of(f64::from(u8::from(i == axis)))));
-            let slope = self.truth.fields[field](&along).slope();
-            slope * slope
-        });
-        squares.sum::<f64>().sqrt()
+        let at = std::array::from_fn(|i| o[i] + d[i] * Dd::of(t));
+        self.truth.fields[field].slope::<Dd>(at)
     }
 
     /// The sign of a field, if moving the place by the error leaves it so.
@@ -343,29 +384,4 @@ impl<'a> Walk<'a> {
             Verdict::Within
         }
     }
-}
-
-/// The squared length of a vector; for fields.
-pub(crate) fn square(v: &[Poly; 3]) -> Poly {
-    v[0].squared() + v[1].squared() + v[2].squared()
-}
-
-/// Coordinates relative to a place.
-pub(crate) fn from(x: &[Poly; 3], place: DVec3) -> [Poly; 3] {
-    std::array::from_fn(|i| x[i].less(place[i]))
-}
-
-/// The product with a vector.
-pub(crate) fn across(x: &[Poly; 3], v: Vec3Dd) -> Poly {
-    x[0].times(v[0]) + x[1].times(v[1]) + x[2].times(v[2])
-}
-
-/// What points away from a place along a direction is outside.
-pub(crate) fn half_space(place: DVec3, normal: Vec3Dd) -> Field {
-    Box::new(move |x| across(&from(x, place), normal))
-}
-
-/// The vector between two places.
-pub(crate) fn between(a: DVec3, b: DVec3) -> Vec3Dd {
-    sub(vec(b), vec(a))
 }

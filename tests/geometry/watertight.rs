@@ -75,6 +75,15 @@ fn surfaces_are_left_and_met_as_they_should() {
     }
 }
 
+/// Where a surface is less steep than at the start of a ray, the level of the
+/// start lies far from it: six of these rays once met that instead, and went on
+/// beside their line.
+#[test]
+fn a_waist_is_met_where_it_is() {
+    let bag = hunt_surface("hyperboloid", 0, 100_000);
+    assert_eq!(bag.leaks(), 0, "{bag:?}");
+}
+
 /// A tube that is taken for a closed cylinder, and the other way round, and
 /// any shape that is larger by a millionth: the judge above notices.
 #[test]

@@ -2,6 +2,7 @@
 //! interface, formulas for lenses, and the same scenes with every interface
 //! written out.
 
+mod coinciding;
 #[path = "../common/mod.rs"]
 mod common;
 mod light;

@@ -17,7 +17,7 @@ use super::{
 };
 use crate::{
     geometry::{Aabb, BoundingSphere, Turning, turning::outer},
-    numeric::{difference_of_products, gamma},
+    numeric::gamma,
 };
 
 /// A surface of revolution; the normal of its side points away from the axis,
@@ -139,8 +139,7 @@ impl Conic {
             h
         };
         let k = ray.o.length_squared() - (c0 + (c1 + c2 * w) * w);
-        let discriminant = difference_of_products(h, h, a, k);
-        below_zero(a, h, k, discriminant, leaving == Some(SIDE), SIDE)
+        below_zero(a, h, k, leaving == Some(SIDE), SIDE)
     }
 
     /// A bound on what half the slope along a ray is off at its start: a start

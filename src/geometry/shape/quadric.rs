@@ -13,7 +13,7 @@ use super::{
 };
 use crate::{
     geometry::{Aabb, Turning, transform::power_of_two_near},
-    numeric::{difference_of_products, gamma, two_product, two_sum},
+    numeric::{gamma, two_product, two_sum},
 };
 
 /// A quadric; its normals point to where the polynomial is positive.
@@ -112,8 +112,7 @@ impl Quadric {
             h
         };
         let k = self.level(x).0;
-        let discriminant = difference_of_products(h, h, a, k);
-        (slide, below_zero(a, h, k, discriminant, leaving, 0))
+        (slide, below_zero(a, h, k, leaving, 0))
     }
 
     /// The hits along the ray, in order.

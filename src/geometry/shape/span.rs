@@ -4,6 +4,7 @@
 //! overlap: no ray can slip through between two parts of its surface.
 
 use super::ShapeHit;
+use crate::numeric::quadratic::{Roots, quadratic};
 
 /// Where a ray enters and where it leaves, in its own parameter, and the part
 /// that it passes there.
@@ -117,32 +118,27 @@ impl Span {
 pub(super) type Spans = [Option<Span>; 2];
 
 /// Where `a t^2 + 2 h t + k` is not above zero: the inside of a surface of
-/// second degree along a line. The discriminant is `h^2 - a k`. With
-/// `leaving` the line stands on the surface at zero: `k` counts as zero, and
-/// the other root is the sum of both.
-pub(super) fn below_zero(
-    a: f64,
-    h: f64,
-    k: f64,
-    discriminant: f64,
-    leaving: bool,
-    part: u32,
-) -> Spans {
-    use crate::numeric::quadratic::{Roots, quadratic_with_discriminant};
+/// second degree along a line. With `leaving` the line starts beside the
+/// surface at zero, pushed off by the error of the start: the root there is left
+/// out, and the other one is that of the line as it is. (The sum of both roots
+/// is where the line meets the level of the start again, which is farther from
+/// the surface where that is less steep.)
+pub(super) fn below_zero(a: f64, h: f64, k: f64, leaving: bool, part: u32) -> Spans {
     const END: f64 = f64::INFINITY;
     let span = |enter, exit| Some(Span::of_part(enter, exit, part));
     let roots = if leaving {
-        let other = -2.0 * h / a;
-        if other.is_finite() {
-            Roots::Two(other.min(0.0), other.max(0.0))
-        } else if h == 0.0 {
+        // The start lies on the side to which the line goes: `k` has the sign
+        // of `h`, and the root at the start is not ahead.
+        let k = if h == 0.0 { 0.0 } else { k.abs().copysign(h) };
+        match quadratic(a, h, k) {
+            Roots::Two(near, far) => Roots::Two(near.min(0.0), far.max(0.0)),
             // The line runs along the surface: no way to cross it.
-            return [None; 2];
-        } else {
-            Roots::One(0.0)
+            Roots::None if h == 0.0 => return [None; 2],
+            Roots::None if h < 0.0 => return [span(-END, END), None],
+            roots => roots,
         }
     } else {
-        quadratic_with_discriminant(a, h + 0.0, k, discriminant)
+        quadratic(a, h + 0.0, k)
     };
     match roots {
         Roots::Two(near, far) if a > 0.0 => [span(near, far), None],
@@ -158,4 +154,43 @@ pub(super) fn below_zero(
 #[inline]
 pub(super) fn within(spans: Spans, other: Span) -> Spans {
     spans.map(|span| span.and_then(|s| s.overlap(other)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A line that starts beside a surface meets the surface and not the level
+    /// on which it starts.
+    #[test]
+    fn the_far_root_is_that_of_the_surface() {
+        // a (t + e)(t - 1): the roots are off by e at the start, 1 ahead.
+        let e = 1.0 / f64::from(1 << 30);
+        for a in [1.0, -1.0] {
+            let (h, k) = (0.5 * a * (e - 1.0), -a * e);
+            let spans = below_zero(a, h, k, true, 0);
+            let ahead: Vec<f64> = spans.iter().flatten().flat_map(Span::places).collect();
+            let ahead: Vec<f64> = ahead
+                .into_iter()
+                .filter(|t| *t > 0.0 && t.is_finite())
+                .collect();
+            assert_eq!(ahead, [1.0], "{a}");
+        }
+    }
+
+    /// A line that goes on to the side on which it starts has the other side of
+    /// the surface ahead or nothing, whatever the rounding of `k` says.
+    #[test]
+    fn the_root_at_the_start_is_not_ahead() {
+        for h in [1e-9, 1.0] {
+            for k in [-1e-20, 0.0, 1e-20] {
+                let outward = below_zero(1.0, h, k, true, 0);
+                let ahead = |span: &Span| span.places().iter().any(|&t| t > 0.0);
+                assert!(!outward.iter().flatten().any(ahead), "{h}, {k}");
+                let inward = below_zero(1.0, -h, k, true, 0);
+                let far = inward[0].expect("a chord").places();
+                assert!(far[0] <= 0.0 && far[1] >= 2.0 * h, "{h}, {k}: {far:?}");
+            }
+        }
+    }
 }

@@ -48,14 +48,24 @@ impl Builder<'_> {
         None
     }
 
-    /// The shape of `Implicit(..)`.
+    /// The shape of `Implicit(..)`; those with the same text, bounds and method
+    /// are one in memory.
     pub(super) fn implicit(&mut self, node: NodeId, s: &ImplicitShape) -> Option<Arc<Implicit>> {
         let f = self.report.field(node, "f");
         let formula = self.formula(f, &s.f);
         let bounds = self.corners(node, s);
         let finder = self.finder(node, s.method, bounds);
-        match Implicit::new(formula?, bounds?, finder?) {
-            Ok(shape) => Some(Arc::new(shape)),
+        let (formula, bounds, finder) = (formula?, bounds?, finder?);
+        let key = format!("{bounds:?} {finder:?} {}", s.f);
+        if let Some(shape) = self.implicits.get(&key) {
+            return Some(shape.clone());
+        }
+        match Implicit::new(formula, bounds, finder) {
+            Ok(shape) => {
+                let shape = Arc::new(shape);
+                self.implicits.insert(key, shape.clone());
+                Some(shape)
+            }
             Err(e @ ImplicitError::NoSurface) => {
                 let help = "move or widen `bounds`, or shift the formula by a number";
                 self.report.reject(f, e.to_string(), "no surface", help)
@@ -111,5 +121,44 @@ impl Builder<'_> {
         let label = format!("expected at least {least:.3e} metres");
         let help = format!("at most {MAX_STEPS} steps lead from corner to corner of `bounds`");
         self.report.reject(place, "steps too short", label, help)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::{path::Path, sync::Arc};
+
+    use crate::{geometry::Shape, scene::load_str};
+
+    /// Equal formulas are kept once, whatever their place; others are not.
+    #[test]
+    fn equal_formulas_are_shared() {
+        let ball = |more: &str| {
+            format!(
+                "(shape: Implicit(f: \"x^2 + y^2 + z^2 - 1\", {more}), material: Mirror(),
+                  at: (translate: (1, 2, 3))),"
+            )
+        };
+        let usual = "bounds: ((-2, -2, -2), (2, 2, 2))";
+        let objects = [
+            ball(usual),
+            ball(usual),
+            ball("bounds: ((-2, -2, -2), (2, 2, 3))"),
+            ball(&format!("{usual}, method: SphereTracing")),
+        ];
+        let text = format!(
+            "(camera: (eye: (0, -9, 3), look_at: (0, 0, 0), fov: 30),
+              image: (width: 8, height: 8), objects: [{}],
+              lights: [Point(position: (0, 0, 8), power: 100)])",
+            objects.concat()
+        );
+        let scene = load_str(&text, "test.ron", Path::new("")).expect("a sound scene");
+        let shapes: Vec<_> = scene.world.instances().iter().map(|i| &i.shape).collect();
+        let same = |a: usize, b: usize| match (shapes[a], shapes[b]) {
+            (Shape::Implicit(a), Shape::Implicit(b)) => Arc::ptr_eq(a, b),
+            _ => unreachable!("formulas only"),
+        };
+        assert!(same(0, 1));
+        assert!(!same(0, 2) && !same(0, 3) && !same(2, 3));
     }
 }

@@ -24,7 +24,7 @@ use super::{
     outline::NodeId, report::Report,
 };
 use crate::{
-    geometry::{Instance, Shape, TriangleMesh, World},
+    geometry::{Instance, Shape, TriangleMesh, World, shape::Implicit},
     light::Light,
     material::Material,
 };
@@ -43,6 +43,8 @@ struct Builder<'d> {
     meshes: HashMap<&'d str, Option<mesh::Named<'d>>>,
     /// Meshes that were read, and those made of them.
     stock: stock::Stock,
+    /// Surfaces of formulas by what is written of them.
+    implicits: HashMap<String, Arc<Implicit>>,
     /// Is told how far it is.
     watch: Watch<'d>,
     /// Files that were read.
@@ -75,6 +77,7 @@ pub(super) fn build(
         materials: HashMap::new(),
         meshes: HashMap::new(),
         stock: stock::Stock::default(),
+        implicits: HashMap::new(),
         watch,
         inputs: Inputs::new(base_dir),
         triangles_left: super::MAX_TRIANGLES,
