@@ -219,7 +219,8 @@ impl Work<'_> {
         let series = self.series(measured, &truth, &gallery)?;
         let judges_photons = series.iter().any(|s| s.method == Way::Photons.name());
         let effects = if judges_photons {
-            effects(self.subject, self.size, self.store, watch)?
+            let truth = seen.is_whole().then_some(&whole);
+            effects(self.subject, self.size, truth, self.store, watch)?
         } else {
             Vec::new()
         };
