@@ -1,6 +1,6 @@
 //! The command line: what was typed, what it means, and the calls it leads to.
 //!
-//! `args`, `values`, `target` and `effects` hold what was typed; `render`, `merge`, `check`,
+//! `args` (a file for each group of commands), `values`, `target` and `effects` hold what was typed; `render`, `merge`, `check`,
 //! `plan`, `compare`, `study`, `bench` and `lens` resolve it and call the library. Words for people go to standard
 //! error, so that standard output carries only data that was asked for
 //! (`--json -`, the verdict of `check`, the tables of `plan` and `compare`, the

@@ -36,8 +36,8 @@ pub(super) struct Curve {
 pub(super) struct Programme {
     pub(super) curves: Vec<Curve>,
     pub(super) absent: Vec<Absent>,
-    /// Who makes the reference, if one is to be made.
-    pub(super) witness: Option<(Method, Sight)>,
+    /// Who may make the reference, if one is to be made; all see the same.
+    pub(super) witnesses: Vec<(Method, Sight)>,
 }
 
 /// What a study is going to do with a scene.
@@ -47,8 +47,9 @@ pub struct Outline {
     pub name: String,
     /// Names of the curves.
     pub curves: Vec<String>,
-    /// Name of the method that makes the reference, if one is to be made.
-    pub witness: Option<&'static str>,
+    /// Names of the methods of which the best makes the reference, if one is to
+    /// be made; it has no curve.
+    pub witnesses: Vec<&'static str>,
     /// Methods without a curve, and why.
     pub absent: Vec<Absent>,
     /// Wall time that it may take at most; `None` where passes decide.
@@ -66,14 +67,15 @@ pub fn outline(subjects: &[Subject<'_>], request: &Request) -> Result<Vec<Outlin
         let rendering = request
             .time
             .map(|time| time * programme.curves.len() as u32);
-        let reference = match programme.witness {
-            Some(_) => request.reference_time,
-            None => Duration::ZERO,
+        let reference = if programme.witnesses.is_empty() {
+            Duration::ZERO
+        } else {
+            request.reference_time
         };
         Ok(Outline {
             name: subject.name.clone(),
             curves: programme.curves.into_iter().map(|c| c.label).collect(),
-            witness: programme.witness.map(|(method, _)| method.name()),
+            witnesses: programme.witnesses.iter().map(|(m, _)| m.name()).collect(),
             absent: programme.absent,
             limit: rendering.map(|time| time + reference),
         })
@@ -90,7 +92,7 @@ impl Programme {
         let mut programme = Self {
             curves: Vec::new(),
             absent: Vec::new(),
-            witness: None,
+            witnesses: Vec::new(),
         };
         let (truth, has_layers) = match subject.truth {
             Source::ClosedForm { .. } => (Sight::whole(), true),
@@ -100,9 +102,8 @@ impl Programme {
                 (Sight::whole(), Layer::ALL.into_iter().all(has))
             }
             Source::Make => {
-                let (method, sight) = witness(subject, request)?;
-                programme.witness = Some((method, sight.clone()));
-                (sight, true)
+                programme.witnesses = witnesses_of(subject, request)?;
+                (programme.witnesses[0].1.clone(), true)
             }
         };
         let mut ways: Vec<Way> = Vec::new();
@@ -122,16 +123,6 @@ impl Programme {
             ));
         }
         for way in ways {
-            let is_witness = |(method, _): &(Method, Sight)| Way::Reference(*method) == way;
-            if programme.witness.as_ref().is_some_and(is_witness) {
-                programme.leave_out(
-                    way,
-                    "it made the reference, which it can't be judged by; \
-                     another reference method can be named"
-                        .to_owned(),
-                );
-                continue;
-            }
             if let Err(reason) = can_render(way, subject, request) {
                 programme.leave_out(way, reason);
                 continue;
@@ -158,7 +149,21 @@ impl Programme {
                 programme.add(subject, request, way, &blind_spots, &judged);
             }
         }
+        if let [(only, _)] = programme.witnesses[..] {
+            programme.settle(only);
+        }
         Ok(programme)
+    }
+
+    /// The method makes the reference: it has no curve itself.
+    pub(super) fn settle(&mut self, method: Method) {
+        let curves = self.curves.len();
+        self.curves.retain(|c| c.way != Way::Reference(method));
+        if self.curves.len() < curves {
+            let reason = "it made the reference, which it can't be judged by; \
+                          another reference method can be named";
+            self.leave_out(Way::Reference(method), reason.to_owned());
+        }
     }
 
     fn leave_out(&mut self, way: Way, reason: String) {
@@ -219,15 +224,14 @@ fn can_render(way: Way, subject: &Subject<'_>, request: &Request) -> Result<(), 
     }
 }
 
-/// Who makes the reference: the method that was named, or the most suitable
-/// of those that see most; rather one that is not to be judged.
-fn witness(subject: &Subject<'_>, request: &Request) -> Result<(Method, Sight), Fault> {
-    let candidates = witnesses(subject.scene, &subject.scene.settings);
+/// Who may make the reference: the method that was named, or those that see
+/// most; only those that are not to be judged, if there are any. At least one.
+fn witnesses_of(subject: &Subject<'_>, request: &Request) -> Result<Vec<(Method, Sight)>, Fault> {
     if let Some(named) = request.reference_method {
         let way = Way::Reference(named);
         let sight = sight(way, subject.scene, &subject.scene.settings);
         let can = is_progressive(way) && sight.is_worth_judging();
-        return can.then_some((named, sight)).ok_or_else(|| {
+        return can.then(|| vec![(named, sight)]).ok_or_else(|| {
             Fault::Invalid(format!(
                 "{}: method {} can't make a reference: {}",
                 subject.name,
@@ -236,17 +240,23 @@ fn witness(subject: &Subject<'_>, request: &Request) -> Result<(Method, Sight), 
             ))
         });
     }
-    let Some((_, best)) = candidates.first() else {
+    let mut equals = witnesses(subject.scene, &subject.scene.settings);
+    let can = |method: Method| can_render(Way::Reference(method), subject, request).is_ok();
+    // If none can, memory is short for all, which is told later.
+    if equals.iter().any(|(method, _)| can(*method)) {
+        equals.retain(|(method, _)| can(*method));
+    }
+    let Some((_, best)) = equals.first().cloned() else {
         return Err(Fault::Invalid(format!(
             "{}: no reference method sees this scene; give a reference",
             subject.name
         )));
     };
-    let is_judged = |method: Method| {
-        let named = request.methods.as_deref().unwrap_or_default();
-        named.contains(&Way::Reference(method))
-    };
-    let mut equals = candidates.iter().filter(|(_, sight)| sight == best);
-    let free = equals.find(|(method, _)| !is_judged(*method));
-    Ok(free.unwrap_or(&candidates[0]).clone())
+    equals.retain(|(_, sight)| *sight == best);
+    let named = request.methods.as_deref().unwrap_or_default();
+    let is_free = |method: Method| !named.contains(&Way::Reference(method));
+    if equals.iter().any(|(method, _)| is_free(*method)) {
+        equals.retain(|(method, _)| is_free(*method));
+    }
+    Ok(equals)
 }

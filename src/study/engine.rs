@@ -12,19 +12,21 @@ use super::{
     effects::effects,
     fault::Fault,
     judge::{Judged, judge},
+    making::make,
     pictures::Gallery,
+    pilot::choose,
     record::{Absent, FORMAT, Machine, SceneStudy, Series, Study},
     request::{Event, Request, Subject, Watch, Way},
     run::{Finished, runs},
     sight::Sight,
     store::Store,
-    truth::{Known, MARGIN, make},
+    truth::{Known, MARGIN},
 };
 
-/// Bytes per pixel beside those of a film and of the pictures of a curve:
-/// eight seeds of a reference with four layers, the truth and what is made of
-/// it.
-const BYTES_PER_PIXEL: u64 = 8 * 4 * 24 + 8 * 24 + 4 * 24;
+/// Bytes per pixel beside those of a film and of the pictures of a curve: two
+/// sets of eight seeds of a reference with four layers, the truth and what is
+/// made of it.
+const BYTES_PER_PIXEL: u64 = 16 * 4 * 24 + 16 * 24 + 4 * 24;
 /// Bytes per pixel of a picture.
 const BYTES_PER_PICTURE: u64 = 24;
 /// Looks at a run that memory has to hold: 2^20 passes.
@@ -142,14 +144,19 @@ struct Measured {
 impl Work<'_> {
     fn scene(
         &self,
-        programme: Programme,
+        mut programme: Programme,
         given: Option<Known>,
         watch: &mut Watch<'_>,
     ) -> Result<SceneStudy, Fault> {
+        let witness = match &programme.witnesses[..] {
+            [] => None,
+            all => Some(choose(self.subject, all, self.size, self.store, watch)?),
+        };
+        if let Some((method, _)) = witness {
+            programme.settle(method);
+        }
         let Programme {
-            curves,
-            mut absent,
-            witness,
+            curves, mut absent, ..
         } = programme;
         let mut rendered = Vec::new();
         for curve in curves {
@@ -196,7 +203,8 @@ impl Work<'_> {
         if left_out > 0 {
             let note = format!(
                 "{left_out} points are left out, because their error is not {MARGIN} times that \
-                 of the reference; more --reference-time would judge them."
+                 of the reference; more --reference-time, a larger lamp or a \
+                 --reference from elsewhere would judge them."
             );
             let _ = watch(&Event::Note(format!("{}: {note}", self.subject.name)));
             record.words = format!("{} {note}", record.words);
@@ -207,7 +215,7 @@ impl Work<'_> {
                 absent.push(Absent {
                     method: m.curve.label.clone(),
                     reason: "the reference is too noisy to judge any of its pictures; \
-                             allow it more --reference-time"
+                             allow it more --reference-time, or give a --reference"
                         .to_owned(),
                 });
             }
@@ -219,7 +227,8 @@ impl Work<'_> {
         let series = self.series(measured, &truth, &gallery)?;
         let judges_photons = series.iter().any(|s| s.method == Way::Photons.name());
         let effects = if judges_photons {
-            effects(self.subject, self.size, self.store, watch)?
+            let truth = seen.is_whole().then_some(&whole);
+            effects(self.subject, self.size, truth, self.store, watch)?
         } else {
             Vec::new()
         };

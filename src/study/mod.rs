@@ -11,7 +11,7 @@
 //!
 //! `request` says what is asked for, `sight` who sees which light, `curves`
 //! which renders that takes; `run` renders, `store` keeps; `truth` is what the
-//! pictures are judged by, `judge` measures them, `split`, `fit` and `pictures`
+//! pictures are judged by (`pilot` finds who makes it, `making` makes it), `judge` measures them, `split`, `fit` and `pictures`
 //! make of it what the reader sees.
 
 mod benchmark;
@@ -23,7 +23,9 @@ mod fault;
 mod fit;
 mod judge;
 mod machine;
+mod making;
 mod pictures;
+mod pilot;
 mod record;
 pub mod report;
 mod request;

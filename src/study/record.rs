@@ -9,7 +9,7 @@
 use serde::{Deserialize, Serialize};
 
 /// Number of the format that this version writes and reads.
-pub const FORMAT: u32 = 1;
+pub const FORMAT: u32 = 2;
 
 /// A whole study.
 #[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
@@ -231,16 +231,26 @@ pub struct Absent {
     pub reason: String,
 }
 
-/// What one effect brings and costs: the same render with and without it.
+/// What one effect brings and costs: the same render, of eight passes, with and
+/// without it.
 #[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct Effect {
-    /// Its name: a layer of the picture.
+    /// Its name in scene files.
     pub name: String,
-    /// Share of the picture's light.
+    /// How people call it.
+    pub title: String,
+    /// Share of the picture's light that is missing without it; about nought
+    /// for one that only finds the same light with less noise.
     pub light: f64,
-    /// Processor time of the same passes with it.
+    /// Standard error of that share.
+    pub light_error: f64,
+    /// Processor time with it.
     pub with_seconds: f64,
-    /// Processor time of the same passes without it.
+    /// Processor time without it.
     pub without_seconds: f64,
+    /// Error with it; `None` if the truth cannot tell.
+    pub with_error: Option<f64>,
+    /// Error without it: noise, blur, and what is missing.
+    pub without_error: Option<f64>,
 }

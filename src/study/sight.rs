@@ -116,19 +116,23 @@ pub(super) fn sight(way: Way, scene: &Scene, settings: &Settings) -> Sight {
     Sight::only(&seen)
 }
 
-/// The reference methods that may tell the truth about a scene, the most
-/// suitable first, with the layers that they see: first those that see
-/// everything. Only methods without bias are among them, since no spread shows
-/// a bias. Caustics are found faster by paths from both ends, other light by
-/// paths from the eye alone.
+/// The reference methods that may tell the truth about a scene, with the layers
+/// that they see: first those that see everything. Methods whose errors on
+/// purpose never vanish are not among them.
 pub(super) fn witnesses(scene: &Scene, settings: &Settings) -> Vec<(Method, Sight)> {
     let [first, second] = if Plan::new(scene, settings).caustics {
         [Method::Bdpt, Method::Path]
     } else {
         [Method::Path, Method::Bdpt]
     };
-    let unbiased = [first, second, Method::Light, Method::Metropolis];
-    let mut witnesses: Vec<(Method, Sight)> = unbiased
+    let candidates = [
+        first,
+        second,
+        Method::Light,
+        Method::Metropolis,
+        Method::Sppm,
+    ];
+    let mut witnesses: Vec<(Method, Sight)> = candidates
         .into_iter()
         .map(|method| (method, sight(Way::Reference(method), scene, settings)))
         .filter(|(_, sight)| sight.is_worth_judging())

@@ -64,6 +64,20 @@ pub(super) fn lone_share(pictures: &[Image], truth: &Image) -> Option<f64> {
     (all > 0.0).then_some(farthest / all)
 }
 
+/// A bound on the mean square of the blur of pictures `sharp`, relative to
+/// `truth`, from others whose kernels are twice as wide. Blur that goes like the
+/// width to the power p grows by 2^p - 1 times itself, which is at least itself
+/// for every p of one or more (edges have one, smooth light two): so the distance
+/// of the means, freed of the variances of both, is no less. `None` without
+/// two pictures of each.
+pub(super) fn blur(sharp: &[Image], wide: &[Image], truth: &Image) -> Option<f64> {
+    let noise =
+        |pictures: &[Image]| variance(pictures, truth).map(|single| single / pictures.len() as f64);
+    let known = noise(sharp)? + noise(wide)?;
+    let apart = distance(&mean(sharp)?, &mean(wide)?, truth);
+    Some((apart - known).max(0.0))
+}
+
 /// What is added to the squares of the truth.
 fn floor(truth: &Image) -> f64 {
     let grey = truth.mean().mean();

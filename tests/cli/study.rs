@@ -81,7 +81,8 @@ fn a_study_from_end_to_end() {
     assert_eq!(code(&listed), 0);
     let said = text(&listed.stderr);
     assert!(
-        said.contains("photons, radius 1") && said.contains("reference by bdpt"),
+        said.contains("photons, radius 1")
+            && said.contains("reference by the best of bdpt, path, metropolis, sppm"),
         "{said}"
     );
     assert!(said.contains("without whitted"), "{said}");

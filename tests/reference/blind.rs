@@ -5,7 +5,7 @@ use nephroid::{
     reference::Method,
 };
 
-use super::{BDPT, PATH, PHOTON_MAP, RADIOSITY, ROOM, SPPM, VIEW, common::scene_of, film};
+use super::{BDPT, PATH, PHOTON_MAP, RADIOSITY, ROOM, SPPM, VIEW, common::scene_of, film_of};
 
 /// What a method can't see is said in words.
 #[test]
@@ -29,13 +29,13 @@ fn blind_spots_are_named() {
     assert!(words(Method::Sppm).contains("shrink from pass to pass"));
     assert!(words(Method::Radiosity).contains("mirrors and glass are black"));
     // And it is so.
-    let caustic = |by| film(&scene, by, 1).layer_image(Layer::Caustic).mean()[1];
+    let caustic = |by| film_of(&scene, by, 1).layer_image(Layer::Caustic).mean()[1];
     assert_eq!(caustic(PATH), 0.0);
     assert!(caustic(BDPT) > 0.0);
     assert!(caustic(SPPM) > 0.0 && caustic(PHOTON_MAP) > 0.0);
     assert_eq!(caustic(RADIOSITY), 0.0);
     // The middle of the ball is seen at the picture's right.
-    let (black, seen) = (film(&scene, RADIOSITY, 1), film(&scene, SPPM, 1));
+    let (black, seen) = (film_of(&scene, RADIOSITY, 1), film_of(&scene, SPPM, 1));
     let at_the_ball = |film: &Film| film.image().pixel(5, 5)[1];
     assert!(at_the_ball(&black) == 0.0 && at_the_ball(&seen) > 0.0);
 }

@@ -11,7 +11,7 @@ use nephroid::{
 use super::{
     BDPT, By, LIGHT, METROPOLIS, PATH, RADIOSITY, ROOM, SPPM, VIEW, by_method,
     common::{Estimate, scene_of},
-    film, job, whole,
+    film_of, job, whole,
 };
 
 /// An integrating sphere: the wall is equally bright everywhere,
@@ -40,10 +40,10 @@ fn furnace() {
         (SPPM, 4, 0.02),
         (RADIOSITY, 4, 0.02),
     ] {
-        whole(&film(&scene, by, rounds)).assert_is(exact, precision, &format!("{by:?}"));
+        whole(&film_of(&scene, by, rounds)).assert_is(exact, precision, &format!("{by:?}"));
     }
     // Whitted's light does not bounce.
-    let whitted = film(&scene, By::Method(Method::Whitted), 1).image();
+    let whitted = film_of(&scene, By::Method(Method::Whitted), 1).image();
     assert!(
         whitted
             .pixels()
@@ -92,7 +92,7 @@ fn a_closed_box_keeps_its_light() {
     // of the radiance over the face.
     let exact = 24.0 / (24.0 * (1.0 - albedo)) * albedo / PI;
     for (by, rounds, precision) in [(PATH, 4, 0.01), (RADIOSITY, 4, 0.02), (SPPM, 4, 0.02)] {
-        let found = whole(&film(&scene, by, rounds));
+        let found = whole(&film_of(&scene, by, rounds));
         found.assert_is(exact, precision, &format!("{by:?}"));
     }
 }
@@ -144,7 +144,7 @@ fn whitted_is_the_direct_light_of_points() {
         "Point(position: (0.1, -0.3, 1.7), power: 30)",
         "",
     );
-    let direct = |by| film(&scene, by, 1).layer_image(Layer::Direct);
+    let direct = |by| film_of(&scene, by, 1).layer_image(Layer::Direct);
     let (whitted, path) = (direct(By::Method(Method::Whitted)), direct(PATH));
     assert!(whitted.mean()[1] > 0.1);
     for (a, b) in whitted.pixels().iter().zip(path.pixels()) {

@@ -9,7 +9,7 @@ use serde_json::Value;
 use crate::fixture::{alone, put_pictures, study};
 
 /// A table in the format of RFC 4180, read by its rules.
-fn records(text: &str) -> Vec<Vec<String>> {
+pub(crate) fn records(text: &str) -> Vec<Vec<String>> {
     let (mut records, mut record, mut field) = (Vec::new(), Vec::new(), String::new());
     let (mut quoted, mut chars) = (false, text.chars().peekable());
     while let Some(c) = chars.next() {
@@ -32,11 +32,11 @@ fn records(text: &str) -> Vec<Vec<String>> {
     records
 }
 
-fn read(directory: &Path, name: &str) -> String {
+pub(crate) fn read(directory: &Path, name: &str) -> String {
     fs::read_to_string(directory.join(name)).unwrap()
 }
 
-fn written(study: &Study) -> tempfile::TempDir {
+pub(crate) fn written(study: &Study) -> tempfile::TempDir {
     let directory = tempfile::tempdir().unwrap();
     report::write(study, directory.path()).unwrap();
     directory
@@ -103,7 +103,10 @@ fn the_same_bytes() {
         report::write(&study, directory.path()).unwrap();
         directory
     });
-    let mut names: Vec<String> = vec!["index.html".to_owned(), "study.csv".to_owned()];
+    let mut names: Vec<String> = vec!["index.html", "study.csv", "effects.csv", "table.md"]
+        .into_iter()
+        .map(str::to_owned)
+        .collect();
     for file in fs::read_dir(a.path().join("plots")).unwrap() {
         names.push(format!(
             "plots/{}",
@@ -111,7 +114,7 @@ fn the_same_bytes() {
         ));
     }
     // Three scenes with two plots each, one of them with a sweep.
-    assert_eq!(names.len(), 2 + 7, "{names:?}");
+    assert_eq!(names.len(), 4 + 7, "{names:?}");
     for name in names {
         assert_eq!(read(a.path(), &name), read(b.path(), &name), "{name}");
     }
@@ -141,7 +144,9 @@ pub(crate) fn hostile() -> Study {
 #[test]
 fn names_are_harmless() {
     let directory = written(&hostile());
-    let mut texts = vec![read(directory.path(), "index.html")];
+    let mut texts = ["index.html", "table.md"]
+        .map(|name| read(directory.path(), name))
+        .to_vec();
     for file in fs::read_dir(directory.path().join("plots")).unwrap() {
         let file = file.unwrap();
         let name = file.file_name().into_string().unwrap();
@@ -257,6 +262,7 @@ fn odd_studies_are_written() {
                 for effect in &mut scene.effects {
                     effect.with_seconds = 0.0;
                     effect.light = f64::NAN;
+                    effect.with_error = Some(f64::INFINITY);
                 }
                 for series in &mut scene.series {
                     for (k, point) in series.points.iter_mut().enumerate() {

@@ -195,14 +195,17 @@ fn scene(index: u64, name: &str, title: &str, kind: TruthKind) -> SceneStudy {
             method: "light tracing through the lens".to_owned(),
             reason: "The camera sees the caustic through glass.".to_owned(),
         }],
-        effects: ["direct", "caustic", "indirect"]
+        effects: [("caustics", 0.27), ("indirect", 0.11), ("glints", -0.001)]
             .into_iter()
-            .zip([0.62, 0.27, 0.11])
             .map(|(name, light)| Effect {
                 name: name.to_owned(),
+                title: format!("light of {name}"),
                 light,
+                light_error: 0.002,
                 with_seconds: 10.0,
                 without_seconds: 10.0 - 9.0 * light,
+                with_error: Some(0.031),
+                without_error: (light > 0.0).then_some(2.0 * light),
             })
             .collect(),
     }

@@ -6,3 +6,4 @@ mod devtools;
 mod files;
 mod fixture;
 mod plots;
+mod tables;

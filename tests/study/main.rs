@@ -6,6 +6,7 @@
 
 #[path = "../common/mod.rs"]
 mod common;
+mod effects;
 mod keeping;
 mod measuring;
 mod refusals;

@@ -157,7 +157,7 @@ fn methods_are_judged_by_what_they_see() {
         ..ask
     };
     let plan = outline(&subjects, &all).unwrap().remove(0);
-    assert_eq!(plan.witness, Some("bdpt"));
+    assert_eq!(plan.witnesses, ["bdpt"]);
     assert!(!plan.curves.contains(&"path".to_owned()), "{plan:?}");
     assert!(
         plan.absent

@@ -11,8 +11,15 @@ pub(super) fn outline(scenes: &[Outline]) -> String {
     let mut text = String::new();
     for scene in scenes {
         text.push_str(&format!("{}: {}", scene.name, scene.curves.join("; ")));
-        if let Some(witness) = scene.witness {
-            text.push_str(&format!("\n  reference by {witness}"));
+        match &scene.witnesses[..] {
+            [] => {}
+            [only] => text.push_str(&format!("\n  reference by {only}")),
+            several => {
+                let names = several.join(", ");
+                text.push_str(&format!(
+                    "\n  reference by the best of {names}, which has no curve"
+                ));
+            }
         }
         for absent in &scene.absent {
             text.push_str(&format!("\n  without {}: {}", absent.method, absent.reason));

@@ -87,7 +87,7 @@ fn lines(scene: &str, series: &Series) -> impl Iterator<Item = String> {
 }
 
 /// A text as a field: quoted if it has to be.
-fn field(text: &str) -> String {
+pub(super) fn field(text: &str) -> String {
     if text.contains([',', '"', '\n', '\r']) || text.starts_with(' ') || text.ends_with(' ') {
         format!("\"{}\"", text.replace('"', "\"\""))
     } else {

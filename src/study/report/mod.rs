@@ -3,8 +3,9 @@
 //! `index.html` is a single file that needs nothing else: no network, no
 //! script for what matters (plots are drawn here; its script adds hovering,
 //! switches and the slider). Pictures are part of it up to 15 MiB of PNG files;
-//! the rest are linked where they lie. `study.csv` has a line for each run, and
-//! `plots/` one SVG for each plot, on white, without script. The same study and
+//! the rest are linked where they lie. `study.csv` has a line for each run,
+//! `effects.csv` one for each effect, `table.md` the tables for a text in
+//! Markdown, and `plots/` one SVG for each plot, on white, without script. The same study and
 //! the same pictures give the same bytes.
 //!
 //! What comes from the record is data, never markup: it passes `words::escape`
@@ -15,10 +16,12 @@
 mod csv;
 mod curves;
 mod drawing;
+mod effects;
 mod figures;
 mod frame;
 mod gallery;
 mod levels;
+mod markdown;
 mod page;
 mod palette;
 mod scale;
@@ -38,7 +41,7 @@ use super::Study;
 use crate::film::{OutputError, atomic::write_whole};
 
 /// Writes the report of `study` into `directory`, where its pictures are:
-/// `study.csv`, `plots/*.svg`, and last `index.html`. Each file is written whole
+/// `study.csv`, `effects.csv`, `table.md`, `plots/*.svg`, and last `index.html`. Each file is written whole
 /// or not at all; others are left alone.
 ///
 /// # Errors
@@ -51,6 +54,8 @@ pub fn write(study: &Study, directory: &Path) -> Result<(), OutputError> {
         })
     };
     put("study.csv", &csv::table(study))?;
+    put("effects.csv", &effects::table(study))?;
+    put("table.md", &markdown::tables(study))?;
     let methods = tables::methods(study);
     let stems = stems(study.scenes.iter().map(|s| s.name.as_str()));
     let scenes = study.scenes.iter().zip(&stems);

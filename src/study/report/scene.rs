@@ -2,11 +2,12 @@
 
 use super::{
     curves::{Plot, Room},
+    effects,
     figures::Figures,
     gallery::Gallery,
     palette::Medium,
     strips::{link, pictures},
-    tables::{effects, legend, mark, times},
+    tables::{legend, mark, times},
     words::{counted, duration, escape, per_cent},
 };
 use crate::study::{SceneStudy, Series, Truth, TruthKind};
@@ -38,8 +39,7 @@ pub(super) fn section(
     out += &noise_and_bias(figures);
     out += &sweeps(figures);
     if !scene.effects.is_empty() {
-        out += "<h3>What each effect costs</h3>\n";
-        out += &effects(&scene.effects);
+        out += &effects::section(&scene.effects);
     }
     out += &absent(scene);
     out + "</section>\n"

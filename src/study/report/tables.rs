@@ -1,11 +1,11 @@
-//! Tables: times to errors, the summary over all scenes, effects.
+//! Tables: times to errors, the summary over all scenes, legends.
 
 use super::{
     curves::{Curve, fit_words},
     drawing::key,
-    words::{digits, duration, escape, factor, level, per_cent},
+    words::{duration, escape, factor, level},
 };
-use crate::study::{Effect, SceneStudy, Series, Study, TimeTo};
+use crate::study::{SceneStudy, Series, Study, TimeTo};
 
 /// The errors that were asked for anywhere in `series`, from the largest.
 pub(super) fn targets<'a>(series: impl Iterator<Item = &'a Series>) -> Vec<f64> {
@@ -194,47 +194,4 @@ pub(super) fn legend(curves: &[Curve]) -> String {
         );
     }
     out + "</ul>\n"
-}
-
-/// What each effect brings and costs.
-pub(super) fn effects(effects: &[Effect]) -> String {
-    let mut out =
-        "<div class=\"scroll\" role=\"region\" tabindex=\"0\" aria-label=\"Effects\"><table>\n\
-         <caption>The same passes with and without each effect</caption>\n\
-         <thead><tr><th scope=\"col\">effect</th><th scope=\"col\">share of the light</th>\
-         <th scope=\"col\">time with it</th><th scope=\"col\">without it</th>\
-         <th scope=\"col\">what it adds</th></tr></thead>\n<tbody>\n"
-            .to_owned();
-    for effect in effects {
-        let added = effect.with_seconds - effect.without_seconds;
-        let share = added / effect.with_seconds;
-        out += &format!(
-            "<tr><th scope=\"row\">{}</th><td>{}{}</td><td>{}</td><td>{}</td><td>{}{}</td></tr>\n",
-            escape(&effect.name),
-            bar(effect.light),
-            per_cent(effect.light, 2),
-            duration(effect.with_seconds),
-            duration(effect.without_seconds),
-            bar(share),
-            if share.is_finite() {
-                format!("{} of the time", per_cent(share, 2))
-            } else {
-                digits(added, 2) + " s"
-            },
-        );
-    }
-    out + "</tbody></table></div>\n"
-}
-
-/// A share as a bar.
-fn bar(share: f64) -> String {
-    let width = if share.is_nan() {
-        0.0
-    } else {
-        share.clamp(0.0, 1.0)
-    };
-    format!(
-        "<span class=\"bar\"><i style=\"width:{:.1}%\"></i></span>",
-        100.0 * width
-    )
 }
