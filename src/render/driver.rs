@@ -36,7 +36,7 @@ pub struct Job {
     pub time: Option<Duration>,
     /// Stop once the picture states that its relative error is at most this,
     /// 0.05 for 5 %, at 90 %; `settings.passes` is then no limit. Reference
-    /// methods state no error and do not stop for one.
+    /// methods state no error and refuse such a job.
     pub error: Option<f64>,
 }
 
