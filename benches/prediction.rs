@@ -124,7 +124,7 @@ fn judge(name: &str, scene: &Scene, options: &Options, verdicts: &mut [Verdict; 
         Some(image) => [image.width(), image.height()],
         None => [options.width, (options.width * height / width).max(8)],
     };
-    let (film, looks) = render(scene, size, options.rounds);
+    let (film, looks, clock) = render(scene, size, options.rounds);
     let Some(end) = looks.last().cloned() else {
         say(&format!("{name:<16} | black"));
         return;
@@ -148,7 +148,7 @@ fn judge(name: &str, scene: &Scene, options: &Options, verdicts: &mut [Verdict; 
     }
     for ((part, good), verdict) in LOOKS.iter().zip(verdicts) {
         let last = (part * f64::from(end.passes)).ceil() as u32;
-        predict(name, &looks, &end, last, *good, verdict);
+        predict(name, (&looks, &clock), last, *good, verdict);
     }
     if let Some(reference) = reference {
         let found = true_error(&film, &reference);
@@ -161,17 +161,19 @@ fn judge(name: &str, scene: &Scene, options: &Options, verdicts: &mut [Verdict; 
     }
 }
 
-/// The film after so many rounds, and what it had to say on the way.
-fn render(scene: &Scene, size: [u32; 2], rounds: u32) -> (Film, Vec<Look>) {
+/// The film after so many rounds, what it had to say on the way, and the
+/// processor seconds after every pass.
+fn render(scene: &Scene, size: [u32; 2], rounds: u32) -> (Film, Vec<Look>, Vec<f64>) {
     let mut watch = Stopwatch::default();
     let [width, height] = size;
     let window = [0, 0, width, height];
     let renderer = watch.time(|| Renderer::new(scene, &scene.settings, size, window));
     let mut film = Film::new(width, height, film_quantum(scene));
-    let mut looks = Vec::new();
+    let (mut looks, mut clock) = (Vec::new(), Vec::new());
     for pass in 0..rounds * REPLICATES {
         watch.time(|| film.add_pass(pass, &renderer.pass(pass).samples));
         let passes = pass + 1;
+        clock.push(watch.cpu_seconds());
         let figures = if ends_asked_round(passes) {
             Statement::of(&film, None).map(|s| s.whole)
         } else if passes == REPLICATES / 2 {
@@ -185,16 +187,26 @@ fn render(scene: &Scene, size: [u32; 2], rounds: u32) -> (Film, Vec<Look>) {
             figures,
         }));
     }
-    (film, looks)
+    (film, looks, clock)
 }
 
 /// Sets what is predicted from the looks up to pass `last` beside the end.
-fn predict(name: &str, looks: &[Look], end: &Look, last: u32, good: f64, verdict: &mut Verdict) {
+fn predict(
+    name: &str,
+    (looks, clock): (&[Look], &[f64]),
+    last: u32,
+    good: f64,
+    verdict: &mut Verdict,
+) {
+    let Some(end) = looks.last() else {
+        return;
+    };
     let mut forecast = Forecast::new();
-    let seen = looks.iter().take_while(|look| look.passes <= last);
     let mut passes = 0;
-    for look in seen {
-        forecast.clock(look.passes, look.cpu);
+    for look in looks.iter().take_while(|look| look.passes <= last) {
+        for pass in passes..look.passes {
+            forecast.clock(pass + 1, clock[pass as usize]);
+        }
         forecast.observe(look.passes, &look.figures);
         passes = look.passes;
     }
