@@ -4,7 +4,7 @@
 use rayon::prelude::*;
 
 use crate::{
-    film::{Layer, PixelSample},
+    film::{Layer, PixelSample, looks_narrower},
     photon::{Emitter, PhotonMap, Shot, Tally, shoot},
     plan::Plan,
     sampling::{Purpose, Sequence},
@@ -195,7 +195,10 @@ impl<'a> Renderer<'a> {
         let map = (shot.emitted > 0).then(|| self.map(&shot, round));
         let stored = shot.photons.len() as u64;
         drop(shot.photons);
-        let gather = self.gatherer(map.as_ref(), round);
+        let gather = Gather {
+            narrower: looks_narrower(replicate),
+            ..self.gatherer(map.as_ref(), round)
+        };
         let (samples, camera) = self.gather(&gather, round, replicate);
         PassOutput {
             samples,
@@ -327,13 +330,14 @@ impl<'a> Renderer<'a> {
         }
     }
 
-    /// What camera samples of a round may ask.
+    /// What camera samples of a round may ask, but for narrower kernels.
     pub(super) fn gatherer<'b>(&'b self, map: Option<&'b PhotonMap>, round: u32) -> Gather<'b> {
         Gather {
             ctx: self.context(),
             map,
             scale: self.schedule.scale(round),
             footprint: self.camera.pixel_footprint(),
+            narrower: false,
         }
     }
 }

@@ -52,17 +52,16 @@ pub struct Figures {
     pub outside: Option<f64>,
 }
 
-/// Standard deviation, relative to squared errors, of what is stated of pictures
-/// with kernels beyond what their own sums tell: measured over scenes whose truth
-/// is known.
+/// Standard deviation, relative to squared errors, of what is stated beyond what
+/// the sums of a picture tell: measured over scenes whose truth is known.
 const MODEL: f64 = 0.2;
 
 /// A mean square, and what it is at most at 90 %.
 struct Square {
     noise: f64,
     bias: f64,
-    /// What noise, what bias, and what both may be more by what the model of
-    /// the bias leaves out.
+    /// What noise, what bias, and what both may be more by what the model
+    /// leaves out.
     more: [f64; 3],
 }
 
@@ -133,12 +132,10 @@ impl Square {
         let by_blocks = blocks.iter().map(|b| b * b).sum::<f64>().sqrt() / count;
         let by_ratio = blur.doubt * bias;
         let bias_more = NORMAL * (by_blocks * by_blocks + by_ratio * by_ratio).sqrt();
-        // Where nothing was gathered by kernels, there is nothing to model.
-        let model = if by_blocks > 0.0 { MODEL } else { 0.0 };
         Self {
             noise: variance,
             bias,
-            more: [noise_more, bias_more, NORMAL * model * (variance + bias)],
+            more: [noise_more, bias_more, NORMAL * MODEL * (variance + bias)],
         }
     }
 
