@@ -7,7 +7,7 @@
 //! narrower kernels find otherwise: **640 bytes per pixel**. The replicates
 //! are independent estimates of the same picture, so their spread is its noise
 //! ([`Film::noise`]). The differences of kernels are summed for even and for
-//! odd ones of the first four replicates apart: the product of two independent estimates of a number
+//! odd replicates apart: the product of two independent estimates of a number
 //! has the number's square as its mean, whatever their noise ([`Film::blur`]).
 //!
 //! A layer and a total are rounded to the quantum separately: the layers of a
@@ -40,16 +40,6 @@ pub(super) type RgbSum = [ExactSum; 3];
 /// Halves of the replicates whose differences of kernels are summed apart:
 /// those with even and those with odd numbers.
 pub const HALVES: usize = 2;
-
-/// Replicates whose samples say what narrower kernels find: every kernel that is
-/// evaluated thrice costs time, and two replicates of each half tell enough.
-const NARROWER: usize = 4;
-
-/// Whether the film asks a replicate what narrower kernels find
-/// ([`PixelSample::blur`]): the first four.
-pub fn looks_narrower(replicate: u32) -> bool {
-    (replicate as usize) < NARROWER
-}
 
 /// Sums of [`PixelSample::blur`], one for each half of the replicates.
 type BlurSum = [[ExactSum; 2]; HALVES];
@@ -173,7 +163,7 @@ impl Film {
                         add_sample(total, layers, sample, quantum);
                         let half = &mut blur[replicate % HALVES];
                         // Where no photon comes there is none.
-                        if replicate < NARROWER && sample.blur != [0.0; 2] {
+                        if sample.blur != [0.0; 2] {
                             for (sum, step) in half.iter_mut().zip(sample.blur) {
                                 sum.add(step, quantum);
                             }
@@ -308,15 +298,18 @@ impl Film {
     }
 
     /// The mean of [`PixelSample::blur`] over the passes of one half of the
-    /// first four replicates, 0 for the even and 1 for the odd ones: row by
-    /// row, zero before the first pass. The others are not asked. The halves are independent estimates of one
+    /// replicates, 0 for the even and 1 for the odd ones: row by row, zero
+    /// before the first pass. The halves are independent estimates of one
     /// thing.
     ///
     /// # Panics
     /// If `half` is not below [`HALVES`].
     pub fn blur(&self, half: usize) -> Vec<[f64; 2]> {
         let of_half = |r: &usize| r % HALVES == half;
-        let passes: u64 = (0..NARROWER).filter(of_half).map(|r| self.passes[r]).sum();
+        let passes: u64 = (0..REPLICATES)
+            .filter(of_half)
+            .map(|r| self.passes[r])
+            .sum();
         let passes = passes.max(1) as f64;
         let mean = |sums: &BlurSum| sums[half].map(|s| s.value(self.quantum) / passes);
         self.blur.par_iter().map(mean).collect()

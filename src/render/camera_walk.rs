@@ -63,8 +63,6 @@ pub(super) struct Gather<'a> {
     /// Kernel scale of the round in footprints.
     pub(super) scale: f64,
     pub(super) footprint: Footprint,
-    /// Whether it is looked what narrower kernels would find.
-    pub(super) narrower: bool,
 }
 
 /// What the photons bring at a point: light of caustics, and light reflected
@@ -94,12 +92,7 @@ fn add_blur(sum: &mut [f64; 2], more: [f64; 2]) {
 impl<'a> Gather<'a> {
     /// Asks the photons for samples that follow each other closely.
     pub(super) fn vicinity(&self) -> Option<Vicinity<'a>> {
-        let vicinity = self.map.map(Vicinity::new)?;
-        Some(if self.narrower {
-            vicinity
-        } else {
-            vicinity.without_narrower()
-        })
+        self.map.map(Vicinity::new)
     }
 
     /// Light through a film position, by layer.

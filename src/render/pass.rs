@@ -4,7 +4,7 @@
 use rayon::prelude::*;
 
 use crate::{
-    film::{Layer, PixelSample, looks_narrower},
+    film::{Layer, PixelSample},
     photon::{Emitter, PhotonMap, Shot, Tally, shoot},
     plan::Plan,
     sampling::{Purpose, Sequence},
@@ -195,10 +195,7 @@ impl<'a> Renderer<'a> {
         let map = (shot.emitted > 0).then(|| self.map(&shot, round));
         let stored = shot.photons.len() as u64;
         drop(shot.photons);
-        let gather = Gather {
-            narrower: looks_narrower(replicate),
-            ..self.gatherer(map.as_ref(), round)
-        };
+        let gather = self.gatherer(map.as_ref(), round);
         let (samples, camera) = self.gather(&gather, round, replicate);
         PassOutput {
             samples,
@@ -330,14 +327,13 @@ impl<'a> Renderer<'a> {
         }
     }
 
-    /// What camera samples of a round may ask, but for narrower kernels.
+    /// What camera samples of a round may ask.
     pub(super) fn gatherer<'b>(&'b self, map: Option<&'b PhotonMap>, round: u32) -> Gather<'b> {
         Gather {
             ctx: self.context(),
             map,
             scale: self.schedule.scale(round),
             footprint: self.camera.pixel_footprint(),
-            narrower: false,
         }
     }
 }

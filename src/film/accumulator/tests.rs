@@ -75,14 +75,6 @@ fn blur_is_summed_for_even_and_odd_replicates() {
     }
     assert_eq!(film.blur(0), [[2.0, 0.25]]);
     assert_eq!(film.blur(1), [[-1.0, 8.0]]);
-    // The other replicates are not asked, and their passes do not count.
-    for pass in [4, 5, 6, 7] {
-        let blur = [9.0, 9.0];
-        assert!(!looks_narrower(pass));
-        film.add_pass(pass, &[PixelSample { blur, ..grey(1.0) }]);
-    }
-    assert_eq!(film.blur(0), [[2.0, 0.25]]);
-    assert_eq!(film.blur(1), [[-1.0, 8.0]]);
 }
 
 #[test]

@@ -30,7 +30,7 @@ use super::{
     plane::Plane,
 };
 use crate::{
-    film::{Film, HALVES, Image, Layer, REPLICATES, looks_narrower},
+    film::{Film, HALVES, Image, Layer, REPLICATES},
     spectrum::Rgb,
 };
 
@@ -111,12 +111,11 @@ impl Statement {
 
     /// What `film` lets suppose of the error of all lit pixels, also when only
     /// some replicates have passes: good for a forecast, not for a statement.
-    /// `None` before four replicates have one, even and odd ones of the first
-    /// four among them, or of a black picture.
+    /// `None` before four replicates have one, even and odd ones among them,
+    /// or of a black picture.
     pub fn early(film: &Film) -> Option<Figures> {
         let present = present(film);
-        let looking = present.iter().filter(|&&r| looks_narrower(r as u32));
-        let half = |h: usize| looking.clone().any(|r| r % HALVES == h);
+        let half = |h: usize| present.iter().any(|r| r % HALVES == h);
         if present.len() < FEWEST || !(0..HALVES).all(half) {
             return None;
         }

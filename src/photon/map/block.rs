@@ -42,8 +42,7 @@ pub(super) struct Reaching {
     lane: usize,
     /// Its height at the query in 1/m2.
     pub(super) height: f32,
-    /// Heights of the kernel drawn in by each factor of [`NARROWER`]; zero if
-    /// nobody asked.
+    /// Heights of the kernel drawn in by each factor of [`NARROWER`].
     pub(super) narrower: [f32; 2],
     /// Semi-axes, metres.
     pub(super) major: f32,
@@ -74,16 +73,9 @@ impl Block {
         })
     }
 
-    /// Calls `found` with every kernel that reaches `query`, in order. The
-    /// heights of the narrower ones are worked out if `narrower` says so.
+    /// Calls `found` with every kernel that reaches `query`, in order.
     #[inline]
-    pub(super) fn kernels(
-        &self,
-        query: Vec3,
-        search: &Search,
-        narrower: bool,
-        mut found: impl FnMut(&Reaching),
-    ) {
+    pub(super) fn kernels(&self, query: Vec3, search: &Search, mut found: impl FnMut(&Reaching)) {
         let dot = |a: &[Vec4; 3], b: &[Vec4; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
         let query = query.to_array().map(Vec4::splat);
         let offset = [0, 1, 2].map(|k| self.position[k] - query[k]);
@@ -115,14 +107,10 @@ impl Block {
         let scale = FRAC_2_PI / (major * minor);
         let height = ((Vec4::ONE - q) * scale).to_array();
         // A kernel of the m-th part of the area is m (1 - m q) high.
-        let narrower = if narrower {
-            NARROWER.map(|m| {
-                let inside = (Vec4::splat(m) - q * (m * m)).max(Vec4::ZERO);
-                (inside * scale).to_array()
-            })
-        } else {
-            [[0.0; LANES]; 2]
-        };
+        let narrower = NARROWER.map(|m| {
+            let inside = (Vec4::splat(m) - q * (m * m)).max(Vec4::ZERO);
+            (inside * scale).to_array()
+        });
         let (major, minor) = (major.to_array(), minor.to_array());
         while reaching != 0 {
             let lane = reaching.trailing_zeros() as usize;

@@ -64,7 +64,6 @@ pub struct Vicinity<'a> {
     /// The region that is forgotten next.
     oldest: usize,
     numbers: Vec<u32>,
-    narrower: bool,
 }
 
 impl<'a> Vicinity<'a> {
@@ -81,17 +80,6 @@ impl<'a> Vicinity<'a> {
             }),
             oldest: 0,
             numbers: Vec::new(),
-            narrower: true,
-        }
-    }
-
-    /// The same for whoever does not ask what narrower kernels find:
-    /// [`Gathered::narrower`] is 1 throughout.
-    #[must_use]
-    pub fn without_narrower(self) -> Self {
-        Self {
-            narrower: false,
-            ..self
         }
     }
 
@@ -130,7 +118,6 @@ impl<'a> Vicinity<'a> {
             .then(|| self.region(p, query, &searches, &mut gathered))
             .flatten();
         let back = map.rotation.transpose();
-        let narrower_too = self.narrower;
         let mut sums = [[0.0; 3]; 2];
         let mut narrower = [[0.0; 2]; 2];
         for (c, class) in map.classes().enumerate() {
@@ -165,30 +152,27 @@ impl<'a> Vicinity<'a> {
                 for (s, f) in sum.iter_mut().zip(flux) {
                     *s += k * f;
                 }
-                if narrower_too {
-                    let power = flux[0] + flux[1] + flux[2];
-                    for (s, k) in less.iter_mut().zip(narrow) {
-                        *s += k * power;
-                    }
+                let power = flux[0] + flux[1] + flux[2];
+                for (s, k) in less.iter_mut().zip(narrow) {
+                    *s += k * power;
                 }
             };
             if let Some(r) = region {
                 for block in self.regions[r].class(c) {
                     gathered.tested += LANES as u32;
-                    block.kernels(local, search, narrower_too, |kernel| add(block, kernel));
+                    block.kernels(local, search, |kernel| add(block, kernel));
                 }
             } else {
                 gathered.visited += class.find(p, search, 0.0, &mut self.numbers);
                 for block in Block::pack(class.photons(), &self.numbers) {
                     gathered.tested += LANES as u32;
-                    block.kernels(local, search, narrower_too, |kernel| add(&block, kernel));
+                    block.kernels(local, search, |kernel| add(&block, kernel));
                 }
             }
         }
         for (less, sum) in narrower.iter_mut().zip(sums) {
             let whole = sum[0] + sum[1] + sum[2];
-            let known = whole > 0.0 && narrower_too;
-            *less = less.map(|s| if known { s / whole } else { 1.0 });
+            *less = less.map(|s| if whole > 0.0 { s / whole } else { 1.0 });
         }
         gathered.narrower = narrower;
         let [caustics, bounced] = sums.map(|s| Rgb(s) * map.per_path);
