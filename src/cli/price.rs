@@ -16,14 +16,14 @@ use nephroid::{
 use serde_json::{Value, json};
 
 use super::{
-    Exit, Failure,
-    args::PriceArgs,
-    check, deliver,
-    effects::EffectChoice,
+    Exit, Failure, check, deliver,
+    effects::{EffectChoice, effect},
     media::Media,
     outlook,
     progress::{self, Goal, Reporter, clock},
+    target::target,
     tell, use_threads,
+    values::{duration, resolution},
 };
 
 /// Rounds that are enough to look at.
