@@ -35,11 +35,32 @@ struct Law {
     noise: [f64; 2],
     bias: [f64; 2],
     order: f64,
+    /// Where the slopes drift from the first round on: by which numbers.
+    drifts: Option<u64>,
+}
+
+/// How far a line has drifted at x = log(passes) because its slope changes in
+/// small steps.
+fn drifted(seed: u64, drift: f64, x: f64) -> f64 {
+    let (step, mut at) = (0.125, log(f64::from(REPLICATES)));
+    let (mut slope, mut y, mut i) = (0.0, 0.0, 0);
+    while at < x {
+        let before = slope;
+        slope += (drift * step).sqrt() * normal(seed, i);
+        let part = (x - at).min(step);
+        y += part * (before + 0.5 * (slope - before) * part / step);
+        (at, i) = (at + step, i + 1);
+    }
+    y
 }
 
 impl Law {
     fn squares(self, passes: f64) -> [f64; 2] {
-        [self.noise, self.bias].map(|[a, slope]| a * libm::pow(passes, slope))
+        let law = |[a, slope]: [f64; 2], drift: f64, number: u64| {
+            let far = |seed| drifted(mix2(seed, number), drift, log(passes));
+            a * libm::pow(passes, slope) * exp(self.drifts.map_or(0.0, far))
+        };
+        [law(self.noise, NOISE[2], 0), law(self.bias, BIAS[2], 1)]
     }
 
     fn error(self, passes: f64) -> f64 {
@@ -69,6 +90,7 @@ const PLAIN: Law = Law {
     noise: [0.08, NOISE[0]],
     bias: [0.01, 2.0 * BIAS[0]],
     order: 2.0,
+    drifts: None,
 };
 
 #[test]
@@ -168,6 +190,7 @@ fn intervals_hold_as_often_as_they_say() {
                 noise: [0.08, NOISE[0] + NOISE[1] * own(0)],
                 bias: [0.08 * exp(own(1) - 2.0), BIAS[0] * order + BIAS[1] * own(2)],
                 order,
+                drifts: Some(mix2(8, law)),
             };
             let forecast = truth.forecast(rounds, chance);
             let found = forecast.error_after(2000).unwrap();
