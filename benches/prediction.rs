@@ -20,7 +20,7 @@ use nephroid::{
 };
 
 /// Scenes of all kinds that are not expensive.
-const SCENES: [&str; 20] = [
+const SCENES: [&str; 22] = [
     "ball_lens",
     "conics",
     "cornell_glass",
@@ -35,9 +35,11 @@ const SCENES: [&str; 20] = [
     "interfaces",
     "light_guide",
     "mesh_glass",
+    "plano_convex_lens",
     "pool",
     "prism",
     "soft_shadow",
+    "solids",
     "torus",
     "tumbler",
     "water_glass",
