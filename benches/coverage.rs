@@ -5,7 +5,8 @@
 //! `cargo bench --bench coverage -- REFDIR` takes the references
 //! `REFDIR/NAME.exr` of the scenes `scenes/NAME.ron`, as many as there are,
 //! and the scenes whose caustics have a closed form; these alone without
-//! REFDIR. `--rounds N` (8) and `--seeds N` (3) say how much; `NAME` takes
+//! REFDIR. `--rounds N` (8) and `--seeds N` (3) say how much, `--shrink N` (1)
+//! averages references over N x N pixels, of scenes with box filters; `NAME` takes
 //! that scene alone, and `NAME=NOISE` says of a reference what relMSE its own
 //! noise has, without the worst 0.1 % of its pixels: it counts in quadrature,
 //! and pictures whose error is not five times as large are not judged.
@@ -27,6 +28,7 @@ use nephroid::{
     plan::film_quantum,
     render::{REPLICATES, Renderer},
     scene::{Scene, load, load_str},
+    spectrum::Rgb,
 };
 
 /// What is known of the truth of a scene.
@@ -51,6 +53,7 @@ struct Options {
     directory: Option<String>,
     rounds: u32,
     seeds: u64,
+    shrink: u32,
     names: Vec<(String, Option<f64>)>,
 }
 
@@ -60,13 +63,14 @@ fn main() {
         "scene          seed round | lit: pixels   true stated  bound  ratio  within | \
          caustics: pixels   true stated  ratio  within | noise alone within | all: true stated |",
     );
-    let mut verdict = Verdict::default();
+    let mut verdicts = Verdicts::default();
     for truth in truths(&options) {
         for seed in 1..=options.seeds {
-            judge(&truth, seed, options.rounds, &mut verdict);
+            judge(&truth, seed, options.rounds, &mut verdicts);
         }
     }
-    say(&verdict.words());
+    say(&format!("after whole rounds {}", verdicts.whole.words()));
+    say(&format!("inside a round {}", verdicts.inside.words()));
 }
 
 fn options() -> Options {
@@ -74,6 +78,7 @@ fn options() -> Options {
         directory: None,
         rounds: 8,
         seeds: 3,
+        shrink: 1,
         names: Vec::new(),
     };
     let mut words = env::args().skip(1);
@@ -83,6 +88,7 @@ fn options() -> Options {
             // Cargo adds this one.
             "--bench" => {}
             "--rounds" => options.rounds = number().unwrap_or(options.rounds),
+            "--shrink" => options.shrink = number().unwrap_or(options.shrink).max(1),
             "--seeds" => options.seeds = number().map_or(options.seeds, u64::from),
             name if Path::new(name).is_dir() => options.directory = Some(name.to_owned()),
             name => {
@@ -125,6 +131,7 @@ fn truths(options: &Options) -> impl Iterator<Item = Truth> {
         .filter(|name| wanted(name))
         .filter_map(Case::named)
         .collect();
+    let factor = options.shrink;
     let rendered = rendered.into_iter().filter_map(move |(name, noise)| {
         let scene = load(Path::new(&format!("scenes/{name}.ron"))).ok()?;
         let path = format!("{directory}/{name}.exr");
@@ -132,7 +139,7 @@ fn truths(options: &Options) -> impl Iterator<Item = Truth> {
         Some(Truth {
             name,
             scene,
-            image,
+            image: shrunk(&image, factor),
             noise,
         })
     });
@@ -156,8 +163,19 @@ fn truths(options: &Options) -> impl Iterator<Item = Truth> {
     rendered.chain(exact)
 }
 
-/// Renders with one seed, and compares after every doubling of the rounds.
-fn judge(truth: &Truth, seed: u64, rounds: u32, verdict: &mut Verdict) {
+/// The means over squares of so many pixels.
+fn shrunk(image: &Image, factor: u32) -> Image {
+    let [width, height] = [image.width() / factor, image.height() / factor];
+    Image::from_fn(width, height, |x, y| {
+        let square = (0..factor * factor).map(|i| [i % factor, i / factor]);
+        let pixels = square.map(|[i, j]| image.pixel(factor * x + i, factor * y + j));
+        pixels.fold(Rgb::BLACK, |sum, p| sum + p) / f64::from(factor * factor)
+    })
+}
+
+/// Renders with one seed, and compares after every doubling of the rounds, and
+/// in the middle of the second one.
+fn judge(truth: &Truth, seed: u64, rounds: u32, verdicts: &mut Verdicts) {
     let mut settings = truth.scene.settings.clone();
     settings.seed = seed;
     let [width, height] = [truth.image.width(), truth.image.height()];
@@ -170,9 +188,11 @@ fn judge(truth: &Truth, seed: u64, rounds: u32, verdict: &mut Verdict) {
     let mut film = Film::new(width, height, film_quantum(&truth.scene));
     for pass in 0..rounds * REPLICATES {
         film.add_pass(pass, &renderer.pass(pass).samples);
-        let done = (pass + 1) / REPLICATES;
-        if (pass + 1) % REPLICATES == 0 && done.is_power_of_two() {
-            compare(truth, seed, done, &film, verdict);
+        let done = f64::from(pass + 1) / f64::from(REPLICATES);
+        if done == 1.5 {
+            compare(truth, seed, done, &film, &mut verdicts.inside);
+        } else if done.fract() == 0.0 && (done as u32).is_power_of_two() {
+            compare(truth, seed, done, &film, &mut verdicts.whole);
         }
     }
 }
@@ -222,7 +242,7 @@ impl Found {
     }
 }
 
-fn compare(truth: &Truth, seed: u64, round: u32, film: &Film, verdict: &mut Verdict) {
+fn compare(truth: &Truth, seed: u64, round: f64, film: &Film, verdict: &mut Verdict) {
     let errors = relative_errors(&film.image(), &truth.image).expect("of one size");
     let Some(statement) = Statement::of(film, None) else {
         say(&format!("{:<14} {seed:>4} {round:>5} | black", truth.name));
@@ -265,6 +285,13 @@ fn compare(truth: &Truth, seed: u64, round: u32, film: &Film, verdict: &mut Verd
             " below what the reference can judge"
         }
     ));
+}
+
+/// The verdicts after whole rounds and inside one.
+#[derive(Default)]
+struct Verdicts {
+    whole: Verdict,
+    inside: Verdict,
 }
 
 /// How often the statements held.

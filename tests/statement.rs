@@ -87,8 +87,13 @@ impl Order {
 
     /// The film after one round.
     fn film(self, seed: u64) -> Film {
+        self.film_of(REPLICATES as u32, seed)
+    }
+
+    /// The film after some passes.
+    fn film_of(self, passes: u32, seed: u64) -> Film {
         let mut film = Film::new(SIZE, SIZE, Quantum::for_typical(1.0));
-        for pass in 0..REPLICATES as u32 {
+        for pass in 0..passes {
             let sample = |i: u32| {
                 let (x, y) = (i % SIZE, i / SIZE);
                 let number = u64::from(pass * SIZE * SIZE + i);
@@ -266,6 +271,46 @@ fn little_is_said_of_little() {
     let [p95, p99] = [with.percentile_95, with.percentile_99];
     assert!((p95 / (1.96 * 0.0354) - 1.0).abs() < 0.1, "{p95}");
     assert!((p99 / (2.58 * 0.0354) - 1.0).abs() < 0.1, "{p99}");
+}
+
+/// Inside a round some replicates have a pass more than others: what is said
+/// is said of the picture as it is.
+#[test]
+fn a_picture_inside_a_round_is_known_as_well() {
+    let truth = Order::image();
+    let (mut kept, mut ratio, films) = (0.0, 0.0, 6);
+    for seed in 40..40 + films {
+        let film = PLAIN.film_of(13, seed);
+        let statement = Statement::of(&film, None).expect("a round and a half");
+        let [within, error] = truly(&film, &statement, &truth);
+        kept += within / films as f64;
+        ratio += error / statement.whole.error / films as f64;
+    }
+    assert!((0.86..=0.96).contains(&kept), "{kept} within");
+    assert!((ratio - 1.0).abs() < 0.05, "{ratio}");
+}
+
+/// Half a round states nothing, but tells about as much as it can.
+#[test]
+fn half_a_round_lets_suppose() {
+    assert!(Statement::early(&PLAIN.film_of(3, 1)).is_none());
+    let film = PLAIN.film_of(4, 1);
+    assert!(Statement::of(&film, None).is_none());
+    let found = Statement::early(&film).expect("four replicates");
+    assert_eq!(found.pixels, 64 * 64);
+    assert!((found.noise / 0.05 - 1.0).abs() < 0.03, "{}", found.noise);
+    assert!(found.bias < 0.02, "{}", found.bias);
+    // Whole rounds say the same both ways.
+    let film = PLAIN.film(1);
+    let stated = Statement::of(&film, None).expect("a whole round").whole;
+    assert_eq!(Statement::early(&film), Some(stated));
+    let half = Order {
+        bias: 0.15,
+        size: 0.03,
+        ..PLAIN
+    };
+    let found = Statement::early(&half.film_of(4, 2)).expect("four replicates");
+    assert!((found.bias / 0.075 - 1.0).abs() < 0.2, "{}", found.bias);
 }
 
 #[test]

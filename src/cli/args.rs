@@ -4,6 +4,7 @@
 mod compare;
 mod lens;
 mod look;
+mod price;
 mod render;
 mod study;
 
@@ -13,6 +14,7 @@ pub(crate) use self::{
     compare::CompareArgs,
     lens::LensArgs,
     look::{CheckArgs, PlanArgs},
+    price::PriceArgs,
     render::{MergeArgs, RenderArgs},
     study::{BenchArgs, StudyArgs},
 };
@@ -49,6 +51,8 @@ pub(crate) enum Command {
     Check(CheckArgs),
     /// Tell what a scene calls for, what is left out, and why
     Plan(PlanArgs),
+    /// Tell what an error costs, without rendering the picture
+    Price(PriceArgs),
     /// Measure how far pictures are from each other or from a reference
     Compare(CompareArgs),
     /// Measure what accuracy costs in time, by every method

@@ -1,9 +1,9 @@
 //! The command line: what was typed, what it means, and the calls it leads to.
 //!
 //! `args` (a file for each group of commands), `values`, `target` and `effects` hold what was typed; `render`, `merge`, `check`,
-//! `plan`, `compare`, `study`, `bench` and `lens` resolve it and call the library. Words for people go to standard
+//! `plan`, `price`, `compare`, `study`, `bench` and `lens` resolve it and call the library. Words for people go to standard
 //! error, so that standard output carries only data that was asked for
-//! (`--json -`, the verdict of `check`, the tables of `plan` and `compare`, the
+//! (`--json -`, the verdict of `check`, the tables of `plan`, `price` and `compare`, the
 //! object of `lens`). This is the only room that prints; it
 //! never panics because a reader went away.
 
@@ -17,9 +17,11 @@ mod interrupt;
 mod lens;
 mod media;
 mod merge;
+mod outlook;
 mod outputs;
 mod parts;
 mod plan;
+mod price;
 mod progress;
 mod render;
 mod study;
@@ -114,6 +116,7 @@ pub(crate) fn main() -> Exit {
         args::Command::Merge(typed) => merge::run(typed),
         args::Command::Check(typed) => check::run(typed),
         args::Command::Plan(typed) => plan::run(typed),
+        args::Command::Price(typed) => price::run(typed),
         args::Command::Compare(typed) => compare::run(typed),
         args::Command::Lens(typed) => lens::run(typed),
         args::Command::Bench(typed) => bench::run(typed),
@@ -123,6 +126,18 @@ pub(crate) fn main() -> Exit {
         tell(failure.message.trim_end());
         failure.exit
     })
+}
+
+/// Uses so many threads from now on, if it is told; to be called before
+/// anything is done in parallel.
+fn use_threads(threads: Option<u16>) -> Result<(), Failure> {
+    let Some(threads) = threads else {
+        return Ok(());
+    };
+    rayon::ThreadPoolBuilder::new()
+        .num_threads(threads.into())
+        .build_global()
+        .map_err(|e| Failure::fault(format!("cannot start {threads} threads: {e}")))
 }
 
 /// Says something to a person, on standard error.

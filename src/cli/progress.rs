@@ -98,19 +98,24 @@ impl Reporter {
         }
     }
 
-    /// Shows `progress` towards `goal`.
-    pub(crate) fn show(&mut self, progress: &Progress, goal: Goal) {
+    /// Whether anybody is told anything.
+    pub(crate) fn is_heard(&self) -> bool {
+        !matches!(self, Self::Quiet)
+    }
+
+    /// Shows `progress` towards `goal`, with what is expected.
+    pub(crate) fn show(&mut self, progress: &Progress, goal: Goal, expected: &[String]) {
         match self {
             Self::Bar(bar) => {
                 bar.set_position((fraction(progress, goal) * STEPS as f64) as u64);
-                bar.set_message(line(progress, goal));
+                bar.set_message(line(progress, goal, expected));
             }
             Self::Lines(last) => {
                 let is_last = goal.passes == Some(progress.passes_done);
                 let is_due = last.is_none_or(|last| progress.elapsed >= last + LINE_EVERY);
                 if is_due || is_last {
                     *last = Some(progress.elapsed);
-                    super::tell(line(progress, goal));
+                    super::tell(line(progress, goal, expected));
                 }
             }
             Self::Quiet => {}
@@ -134,8 +139,8 @@ fn fraction(progress: &Progress, goal: Goal) -> f64 {
         progress.elapsed.as_secs_f64() / time.as_secs_f64()
     });
     // Errors of many samples fall like the root of their number.
-    let by_error = progress.error.zip(goal.error);
-    let by_error = by_error.map_or(0.0, |(error, target)| (target / error).powi(2));
+    let by_error = progress.stated.zip(goal.error);
+    let by_error = by_error.map_or(0.0, |(stated, target)| (target / stated.bound).powi(2));
     by_passes.max(by_time).max(by_error).clamp(0.0, 1.0)
 }
 
@@ -153,7 +158,7 @@ fn left(progress: &Progress, goal: Goal) -> Option<Duration> {
     }
 }
 
-fn line(progress: &Progress, goal: Goal) -> String {
+fn line(progress: &Progress, goal: Goal, expected: &[String]) -> String {
     let pass = progress.passes_done;
     let mut parts = vec![match goal.passes {
         Some(n) => format!("pass {pass}/{n}"),
@@ -164,10 +169,11 @@ fn line(progress: &Progress, goal: Goal) -> String {
         let pace = progress.photons_emitted as f64 / seconds;
         parts.push(format!("{}photons/s", si(pace)));
     }
-    if let Some((error, target)) = progress.error.zip(goal.error) {
-        let [error, target] = [error, target].map(|e| 100.0 * e);
+    if let Some((stated, target)) = progress.stated.zip(goal.error) {
+        let [error, target] = [stated.bound, target].map(|e| 100.0 * e);
         parts.push(format!("error {error:.2} % of {target} %"));
     }
+    parts.extend_from_slice(expected);
     if let Some(left) = left(progress, goal) {
         parts.push(format!("{} left", clock(left)));
     }
@@ -210,7 +216,7 @@ mod tests {
             passes_total: 64,
             photons_emitted,
             elapsed: Duration::from_secs(seconds),
-            error: None,
+            stated: None,
         }
     }
 
@@ -226,15 +232,15 @@ mod tests {
     fn lines_say_passes_pace_and_time_left() {
         let progress = at(16, 24_600_000, 20);
         assert_eq!(
-            line(&progress, goal(Some(64), None)),
+            line(&progress, goal(Some(64), None), &[]),
             "pass 16/64, 1.23 M photons/s, 1m 00s left"
         );
         assert_eq!(
-            line(&progress, goal(Some(64), Some(30))),
+            line(&progress, goal(Some(64), Some(30)), &[]),
             "pass 16/64, 1.23 M photons/s, 10s left"
         );
         assert_eq!(
-            line(&at(16, 0, 20), goal(None, Some(30))),
+            line(&at(16, 0, 20), goal(None, Some(30)), &[]),
             "pass 16, 10s left"
         );
     }
@@ -242,7 +248,7 @@ mod tests {
     #[test]
     fn lines_say_the_error_where_one_is_asked_for() {
         let progress = Progress {
-            error: Some(0.0814),
+            stated: Some(super::super::outlook::stated(0.0814)),
             ..at(16, 0, 20)
         };
         let asked = Goal {
@@ -250,10 +256,11 @@ mod tests {
             ..goal(None, Some(30))
         };
         assert_eq!(
-            line(&progress, asked),
-            "pass 16, error 8.14 % of 5 %, 10s left"
+            line(&progress, asked, &["5 % in about 40s".to_owned()]),
+            "pass 16, error 8.14 % of 5 %, 5 % in about 40s, 10s left"
         );
-        assert_eq!(line(&progress, goal(None, Some(30))), "pass 16, 10s left");
+        let line = line(&progress, goal(None, Some(30)), &[]);
+        assert_eq!(line, "pass 16, 10s left");
         let far = Goal {
             time: None,
             ..asked

@@ -18,6 +18,7 @@ use super::{
     effects::EffectChoice,
     interrupt::Interrupt,
     media::Media,
+    outlook::Outlook,
     outputs::{self, Json, Told},
     progress::{self, Goal, Reporter},
     tell,
@@ -39,12 +40,7 @@ pub(super) fn run(typed: &RenderArgs) -> Result<Exit, Failure> {
     }
     outputs::probe(&outputs, json.as_ref(), checkpoint.as_slice())?;
     // Before the scene: its meshes are read in parallel.
-    if let Some(threads) = typed.threads {
-        rayon::ThreadPoolBuilder::new()
-            .num_threads(threads.into())
-            .build_global()
-            .map_err(|e| Failure::fault(format!("cannot start {threads} threads: {e}")))?;
-    }
+    super::use_threads(typed.threads)?;
     let scene =
         progress::load(&typed.scene, typed.quiet).map_err(|mistakes| Failure::scene(&mistakes))?;
     let job = job(typed, &scene)?;
@@ -201,8 +197,12 @@ fn render(
     };
     let is_enough = |passes: u32| goal.passes.is_some_and(|n| passes >= n);
     let mut reporter = Reporter::new(typed.quiet);
+    let mut outlook = Outlook::new();
     let mut after_pass = |progress: &Progress, part: &Part| {
-        reporter.show(progress, goal);
+        if reporter.is_heard() {
+            outlook.look(progress, part);
+        }
+        reporter.show(progress, goal, &outlook.words(progress, goal));
         if let Some(keeper) = keeper {
             keeper.after_pass(part);
         }

@@ -162,8 +162,11 @@ impl Film {
                     if is_in_range(sample, limit) {
                         add_sample(total, layers, sample, quantum);
                         let half = &mut blur[replicate % HALVES];
-                        for (sum, step) in half.iter_mut().zip(sample.blur) {
-                            sum.add(step, quantum);
+                        // Where no photon comes there is none.
+                        if sample.blur != [0.0; 2] {
+                            for (sum, step) in half.iter_mut().zip(sample.blur) {
+                                sum.add(step, quantum);
+                            }
                         }
                     } else {
                         refused += 1;

@@ -23,6 +23,7 @@ mod slope;
 mod ssim;
 mod statement;
 mod student;
+mod trend;
 
 pub use chi_square::{ChiSquare, chi_square, sidak};
 pub use colour_map::magma;
@@ -40,3 +41,4 @@ pub use slope::{Slope, fit_slope};
 pub use ssim::Ssim;
 pub use statement::{Figures, Statement};
 pub use student::student_quantile;
+pub use trend::Trend;

@@ -1,9 +1,6 @@
 //! Asking the map at a surface point, with what stands around it.
 
-use std::{
-    cell::OnceCell,
-    f64::consts::{FRAC_1_SQRT_2, TAU},
-};
+use std::{cell::OnceCell, f64::consts::TAU};
 
 use glam::DVec3;
 
@@ -73,12 +70,7 @@ pub fn gather(
             return [0.0; 3];
         }
         let horizon = horizon.get_or_init(|| Horizon::around(ctx, at, walls, farthest, u));
-        // Of the kernel, and of those of half and of a quarter of its area.
-        let share = |factor| horizon.share(&ellipse.scaled(factor));
-        match share(1.0) {
-            1.0 => [1.0; 3],
-            whole => [whole, share(FRAC_1_SQRT_2), share(0.5)].map(f64::recip),
-        }
+        horizon.shares(ellipse).map(f64::recip)
     })
 }
 
@@ -113,13 +105,14 @@ impl Horizon {
         Self { free, nearest }
     }
 
-    /// The share of a kernel around the point that walls leave, above 0.
-    fn share(&self, ellipse: &Ellipse) -> f64 {
+    /// The shares that walls leave of a kernel around the point, and of those
+    /// of half and of a quarter of its area, above 0.
+    fn shares(&self, ellipse: &Ellipse) -> [f64; 3] {
         if ellipse.major <= self.nearest {
-            return 1.0;
+            return [1.0; 3];
         }
         let (a2, b2) = (ellipse.major * ellipse.major, ellipse.minor * ellipse.minor);
-        let (mut left, mut all) = (0.0, 0.0);
+        let (mut left, mut all) = ([0.0; 3], 0.0);
         for &(dir, free) in &self.free {
             let c = dir.dot(ellipse.axis);
             let c2 = c * c;
@@ -127,10 +120,13 @@ impl Horizon {
             // kernel's mass within a smaller way, 2 x - x^2 for x its square
             // over that of the rim.
             let rim2 = a2 * b2 / (b2 * c2 + a2 * (1.0 - c2).max(0.0));
-            let x = (free * free / rim2).min(1.0);
+            let inside = free * free / rim2;
             all += rim2;
-            left += rim2 * x * (2.0 - x);
+            for (left, narrower) in left.iter_mut().zip([1.0, 2.0, 4.0]) {
+                let x = (narrower * inside).min(1.0);
+                *left += rim2 * x * (2.0 - x);
+            }
         }
-        (left / all).max(LEAST_SHARE)
+        left.map(|left| (left / all).max(LEAST_SHARE))
     }
 }

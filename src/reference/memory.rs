@@ -61,14 +61,27 @@ pub enum Refused {
         /// Name of the object.
         object: String,
     },
+    /// An error is asked for, which pictures of no such method state: the
+    /// render would never end.
+    #[error(
+        "method {method} cannot render until an error is reached: its pictures do not state their error"
+    )]
+    StatesNoError {
+        /// Name of the method.
+        method: &'static str,
+    },
 }
 
 /// Whether a method can render a job.
 ///
 /// # Errors
-/// If it does not fit into the memory budget, or the scene has a surface that
-/// the method cannot work with.
+/// If it does not fit into the memory budget, the scene has a surface that
+/// the method cannot work with, or the job asks for an error.
 pub fn check(scene: &Scene, job: &Job, method: Method, options: Options) -> Result<(), Refused> {
+    if job.error.is_some() {
+        let method = method.name();
+        return Err(Refused::StatesNoError { method });
+    }
     if method == Method::Radiosity
         && let Some(object) = radiosity::obstacle(scene)
     {

@@ -3,7 +3,7 @@
 use std::f64::consts::SQRT_2;
 
 use super::{Job, Part, REPLICATES};
-use crate::metrics::Statement;
+use crate::metrics::{Figures, Statement};
 
 /// Asks the film of a growing part for its error, after the rounds 1, 2, 3, 4,
 /// 6, 8, 11, 16, ..., each about 2^(1/2) times as many as before: whoever asks
@@ -11,7 +11,7 @@ use crate::metrics::Statement;
 /// where a render was interrupted.
 pub(super) struct Asking {
     target: Option<f64>,
-    stated: Option<f64>,
+    stated: Option<Figures>,
 }
 
 impl Asking {
@@ -29,29 +29,39 @@ impl Asking {
         let Some(target) = self.target else {
             return false;
         };
-        let passes = part.passes();
-        if !passes.is_multiple_of(REPLICATES) || !is_asked(passes / REPLICATES) {
+        if !ends_asked_round(part.passes()) {
             return false;
         }
         let statement = Statement::of(part.film(), None);
-        self.stated = statement.map(|s| s.whole.bound);
-        self.stated.is_some_and(|stated| stated <= target)
+        self.stated = statement.map(|s| s.whole);
+        self.stated.is_some_and(|stated| stated.bound <= target)
     }
 
-    /// The error that was stated last, at 90 %.
-    pub(super) fn stated(&self) -> Option<f64> {
+    /// The error that was stated last.
+    pub(super) fn stated(&self) -> Option<Figures> {
         self.stated
     }
 }
 
-/// Whether so many rounds are asked for their error.
-fn is_asked(rounds: u32) -> bool {
-    let mut next = 1;
-    while next < rounds {
+/// The numbers of rounds after which a picture is asked for its error.
+pub(super) fn rounds_asked() -> impl Iterator<Item = u32> {
+    let next = |&rounds: &u32| {
         // `as` saturates.
-        next = ((f64::from(next) * SQRT_2).round() as u32).max(next.saturating_add(1));
-    }
-    next == rounds
+        let next = (f64::from(rounds) * SQRT_2).round() as u32;
+        (rounds < u32::MAX).then(|| next.max(rounds + 1))
+    };
+    std::iter::successors(Some(1), next)
+}
+
+/// Whether a picture is asked for its error after so many rounds.
+fn is_asked(rounds: u32) -> bool {
+    rounds_asked().find(|&r| r >= rounds) == Some(rounds)
+}
+
+/// Whether so many passes end a round after which a picture is asked for its
+/// error: 1, 2, 3, 4, 6, 8, 11, 16, ... rounds.
+pub fn ends_asked_round(passes: u32) -> bool {
+    passes.is_multiple_of(REPLICATES) && is_asked(passes / REPLICATES)
 }
 
 #[cfg(test)]
@@ -62,6 +72,6 @@ mod tests {
     fn rounds_are_spaced_geometrically() {
         let asked: Vec<u32> = (0..100).filter(|&r| is_asked(r)).collect();
         assert_eq!(asked, [1, 2, 3, 4, 6, 8, 11, 16, 23, 33, 47, 66, 93]);
-        assert!(!is_asked(u32::MAX - 1));
+        assert!(!is_asked(u32::MAX - 1) && is_asked(u32::MAX));
     }
 }

@@ -7,7 +7,7 @@ use std::{
 
 use crate::{
     film::Film,
-    metrics::{Statement, relative_noise},
+    metrics::{Figures, Statement, relative_noise},
     photon::LightTally,
     scene::{Scene, Settings},
 };
@@ -36,7 +36,7 @@ pub struct Job {
     pub time: Option<Duration>,
     /// Stop once the picture states that its relative error is at most this,
     /// 0.05 for 5 %, at 90 %; `settings.passes` is then no limit. Reference
-    /// methods state no error and do not stop for one.
+    /// methods state no error and refuse such a job.
     pub error: Option<f64>,
 }
 
@@ -129,9 +129,8 @@ pub struct Progress {
     pub photons_emitted: u64,
     /// Wall time since the start.
     pub elapsed: Duration,
-    /// The relative error that was last stated, at 90 %, if an error is asked
-    /// for.
-    pub error: Option<f64>,
+    /// The error that was last stated, if one is asked for.
+    pub stated: Option<Figures>,
 }
 
 /// A finished or interrupted render.
@@ -197,8 +196,14 @@ pub fn go_on(
     let mut is_reached = false;
     let mut ask_and_tell = |progress: &Progress, part: &Part| {
         is_reached = asking.is_reached_by(part);
-        let error = asking.stated();
-        match after_pass(&Progress { error, ..*progress }, part) {
+        let stated = asking.stated();
+        match after_pass(
+            &Progress {
+                stated,
+                ..*progress
+            },
+            part,
+        ) {
             ControlFlow::Continue(()) if is_reached => ControlFlow::Break(()),
             flow => flow,
         }

@@ -11,6 +11,7 @@ mod camera_walk;
 mod checkpoint;
 mod coordinates;
 mod driver;
+mod forecast;
 mod glints;
 mod importance;
 mod inspect;
@@ -26,8 +27,10 @@ mod subject;
 mod tally;
 mod view;
 
+pub use asking::ends_asked_round;
 pub use checkpoint::{CheckpointFault, SaveError};
 pub use driver::{Job, Outcome, Progress, go_on, run};
+pub use forecast::{Forecast, Interval, Price};
 pub(crate) use inspect::{Effort, Sight};
 pub use memory::TooLarge;
 pub(crate) use memory::{film_bytes, mebibytes};

@@ -160,7 +160,7 @@ impl Part {
             passes_total,
             photons_emitted: self.photons_emitted(),
             elapsed: Duration::try_from_secs_f64(self.seconds).unwrap_or_default(),
-            error: None,
+            stated: None,
         }
     }
 

@@ -4,6 +4,7 @@ mod bench;
 mod check;
 mod lens;
 mod plan;
+mod price;
 mod render;
 mod study;
 

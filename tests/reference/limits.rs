@@ -21,6 +21,23 @@ fn room(size: [u32; 2]) -> Scene {
     scene_of(VIEW, size, ROOM, LAMP, "")
 }
 
+/// A picture that states no error could never reach one.
+#[test]
+fn an_error_cannot_be_asked_for() {
+    let scene = room([8, 8]);
+    let asking = Job {
+        error: Some(0.5),
+        ..job(&scene, 1)
+    };
+    for method in Method::ALL {
+        let outcome = reference::render(&scene, &asking, method, Options::default(), &mut |_| {
+            ControlFlow::Continue(())
+        });
+        let method = method.name();
+        assert_eq!(outcome.err(), Some(Refused::StatesNoError { method }));
+    }
+}
+
 /// Every method says what it needs, and refuses what it has no room for,
 /// before it takes it.
 #[test]

@@ -59,6 +59,9 @@ pub(super) struct Blur {
     /// Relative standard deviation of all squares by what is not known of the
     /// ratio of the steps.
     pub(super) doubt: f64,
+    /// Power of the kernels' scale with which the bias falls, over the whole
+    /// picture.
+    pub(super) order: f64,
     /// First step, signed, averaged over the nearest pixels.
     step: Plane,
     /// Bias of the colour's mean over the relative bias.
@@ -100,6 +103,7 @@ impl Blur {
             pooled: Plane::join(&nearby, &growth, |f, g| f * g),
             own,
             doubt: 2.0 * unsure / (1.0 - ratio),
+            order: -2.0 * libm::log2(ratio),
             step: convolve(&step, &near, &near),
             scales,
         }

@@ -30,7 +30,7 @@ use super::{
     plane::Plane,
 };
 use crate::{
-    film::{Film, Image, Layer},
+    film::{Film, HALVES, Image, Layer, REPLICATES},
     spectrum::Rgb,
 };
 
@@ -46,6 +46,9 @@ const CAUSTIC: f64 = 0.1;
 
 /// Weight of the squared mean in the denominator of relative errors.
 const MEAN_WEIGHT: f64 = 0.01;
+
+/// Fewest replicates that tell anything of an error.
+const FEWEST: usize = 4;
 
 /// What a picture says about its own error.
 #[derive(Clone, Debug)]
@@ -87,10 +90,12 @@ impl Statement {
         if film.replicate_passes().contains(&0) {
             return None;
         }
-        let ground = Ground::of(film)?;
-        let noise = noise::Noise::of(film, &ground);
-        let blur = blur::Blur::of(film, &ground);
-        let total = Plane::join(&noise.pooled, &blur.pooled, |n, b| n + b);
+        let Evidence {
+            ground,
+            noise,
+            blur,
+            total,
+        } = Evidence::of(film)?;
         let quantile = noise::two_sided();
         let figures = |region: &[bool]| Figures::of((&noise, &blur, &total), region, target);
         Some(Self {
@@ -101,6 +106,49 @@ impl Statement {
             bound: Plane::join(&total, &total, |t, _| quantile * t.sqrt()),
             lit: ground.lit,
             caustic: ground.caustic,
+        })
+    }
+
+    /// What `film` lets suppose of the error of all lit pixels, also when only
+    /// some replicates have passes: good for a forecast, not for a statement.
+    /// `None` before four replicates have one, even and odd ones among them,
+    /// or of a black picture.
+    pub fn early(film: &Film) -> Option<Figures> {
+        let present = present(film);
+        let half = |h: usize| present.iter().any(|r| r % HALVES == h);
+        if present.len() < FEWEST || !(0..HALVES).all(half) {
+            return None;
+        }
+        let e = Evidence::of(film)?;
+        Figures::of((&e.noise, &e.blur, &e.total), &e.ground.lit, None)
+    }
+}
+
+/// The replicates that have passes.
+fn present(film: &Film) -> Vec<usize> {
+    let passes = film.replicate_passes();
+    (0..REPLICATES).filter(|&r| passes[r] > 0).collect()
+}
+
+/// What a film says of noise and bias.
+struct Evidence {
+    ground: Ground,
+    noise: noise::Noise,
+    blur: blur::Blur,
+    /// Squared errors of the pixels, pooled.
+    total: Plane,
+}
+
+impl Evidence {
+    fn of(film: &Film) -> Option<Self> {
+        let ground = Ground::of(film)?;
+        let noise = noise::Noise::of(film, &ground);
+        let blur = blur::Blur::of(film, &ground);
+        Some(Self {
+            total: Plane::join(&noise.pooled, &blur.pooled, |n, b| n + b),
+            ground,
+            noise,
+            blur,
         })
     }
 }
@@ -116,9 +164,10 @@ impl Ground {
         let floor = MEAN_WEIGHT * mean * mean;
         // Without the darkest and the brightest replicate: a spark would hide
         // itself in its own denominator.
+        let present = present(film);
         let steady: Vec<Rgb> = (0..width * height)
             .into_par_iter()
-            .map(|i| noise::without_extremes(&film.replicates_at(i)))
+            .map(|i| noise::without_extremes(&film.replicates_at(i), &present))
             .collect();
         let near = box_kernel(1);
         let smooth: [Plane; 3] = [0, 1, 2].map(|c| {

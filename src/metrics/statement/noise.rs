@@ -17,7 +17,7 @@ use crate::{
     spectrum::Rgb,
 };
 
-use super::{Ground, box_kernel, convolve, relative};
+use super::{Ground, box_kernel, convolve, present, relative};
 use crate::metrics::{plane::Plane, student_quantile};
 
 /// Degrees of freedom of a pixel's own variance.
@@ -33,10 +33,9 @@ pub(super) fn two_sided() -> f64 {
     student_quantile(0.9, (OWN + AROUND) as u32)
 }
 
-/// What Student's t with 7 degrees of freedom exceeds with a probability of
-/// 0.1.
-pub(super) fn one_sided() -> f64 {
-    student_quantile(0.8, OWN as u32)
+/// What Student's t of so many values exceeds with a probability of 0.1.
+pub(super) fn one_sided(values: usize) -> f64 {
+    student_quantile(0.8, values.max(2) as u32 - 1)
 }
 
 /// Variances of the picture, relative to its squared brightness.
@@ -45,8 +44,11 @@ pub(super) struct Noise {
     pub(super) own: Plane,
     /// Moderated by the pixels around.
     pub(super) pooled: Plane,
-    /// Squared deviations of each replicate from their mean.
+    /// Squared deviations of each replicate from their mean; zero for those
+    /// without passes.
     pub(super) deviations: Vec<[f64; REPLICATES]>,
+    /// The replicates that have passes.
+    pub(super) present: Vec<usize>,
 }
 
 impl Noise {
@@ -56,14 +58,23 @@ impl Noise {
         let pooled = Plane::join(&own, &around, |own, around| {
             (OWN * own + AROUND * around) / (OWN + AROUND)
         });
+        let present = present(film);
         let deviations = (0..ground.squares.len()).into_par_iter().map(|i| {
             let replicates = film.replicates_at(i);
-            let sum = replicates.iter().fold(Rgb::BLACK, |sum, &r| sum + r);
-            let mean = sum / REPLICATES as f64;
-            replicates.map(|r| relative((r - mean) * (r - mean), ground.squares[i]))
+            let sum = present
+                .iter()
+                .fold(Rgb::BLACK, |sum, &r| sum + replicates[r]);
+            let mean = sum / present.len() as f64;
+            let mut deviations = [0.0; REPLICATES];
+            for &r in &present {
+                let deviation = replicates[r] - mean;
+                deviations[r] = relative(deviation * deviation, ground.squares[i]);
+            }
+            deviations
         });
         Self {
             deviations: deviations.collect(),
+            present: present.clone(),
             own,
             pooled,
         }
@@ -82,19 +93,19 @@ impl Noise {
     }
 }
 
-/// The mean of the replicates without the smallest and the largest of each
-/// channel.
-pub(super) fn without_extremes(replicates: &[Rgb; REPLICATES]) -> Rgb {
+/// The mean of those replicates that are present, without the smallest and
+/// the largest of each channel.
+pub(super) fn without_extremes(replicates: &[Rgb; REPLICATES], present: &[usize]) -> Rgb {
+    let kept = present.len().saturating_sub(2).max(1);
     Rgb([0, 1, 2].map(|c| {
-        let values = replicates.map(|r| r[c]);
         let (mut low, mut high, mut sum) = (f64::INFINITY, f64::NEG_INFINITY, 0.0);
-        for v in values {
+        for v in present.iter().map(|&r| replicates[r][c]) {
             low = low.min(v);
             high = high.max(v);
             sum += v;
         }
         // Rounding must not leave less than nothing.
-        ((sum - low - high) / (REPLICATES - 2) as f64).max(0.0)
+        ((sum - low - high) / kept as f64).max(0.0)
     }))
 }
 
@@ -104,10 +115,18 @@ mod tests {
 
     #[test]
     fn extremes_are_left_out() {
+        let all: Vec<usize> = (0..REPLICATES).collect();
         let mut replicates: [Rgb; REPLICATES] = std::array::from_fn(|_| Rgb::grey(2.0));
-        assert_eq!(without_extremes(&replicates), Rgb::grey(2.0));
+        assert_eq!(without_extremes(&replicates, &all), Rgb::grey(2.0));
         replicates[3] = Rgb::new(1e6, 0.0, 2.0);
-        assert_eq!(without_extremes(&replicates), Rgb::grey(2.0));
-        assert_eq!(without_extremes(&[Rgb::BLACK; REPLICATES]), Rgb::BLACK);
+        assert_eq!(without_extremes(&replicates, &all), Rgb::grey(2.0));
+        assert_eq!(
+            without_extremes(&[Rgb::BLACK; REPLICATES], &all),
+            Rgb::BLACK
+        );
+        // Those without passes are black, which is no estimate.
+        replicates[5] = Rgb::BLACK;
+        let some = [0, 1, 2, 3, 4];
+        assert_eq!(without_extremes(&replicates, &some), Rgb::grey(2.0));
     }
 }

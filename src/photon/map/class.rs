@@ -77,17 +77,6 @@ pub struct Ellipse {
     pub minor: f64,
 }
 
-impl Ellipse {
-    /// The ellipse with both axes multiplied.
-    pub(crate) fn scaled(&self, factor: f64) -> Self {
-        Self {
-            axis: self.axis,
-            major: factor * self.major,
-            minor: factor * self.minor,
-        }
-    }
-}
-
 /// What a query says to every class, lengths in metres.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Search {
