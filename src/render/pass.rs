@@ -8,7 +8,7 @@ use crate::{
     photon::{Emitter, PhotonMap, Shot, Tally, shoot},
     plan::Plan,
     sampling::{Purpose, Sequence},
-    scene::{Choice, Effect, Kernel, Sampler, Scene, Settings},
+    scene::{Choice, Effect, Guidance, Kernel, Sampler, Scene, Settings},
     transport::{Context, LightPicker},
 };
 
@@ -103,7 +103,11 @@ impl<'a> Renderer<'a> {
             picker: &picker,
             max_depth: settings.max_depth,
         };
-        let emitters = Emitter::new(&ctx).map(Epochs::new);
+        let emitter = match settings.guidance {
+            Guidance::Learned => Emitter::new(&ctx),
+            Guidance::Power => Emitter::by_power(&ctx),
+        };
+        let emitters = emitter.map(Epochs::new);
         let forced = plan.forced(scene, settings).map(|plan| {
             let ctx = Context { plan: &plan, ..ctx };
             let wanted = settings.choice(Effect::Caustics) == Choice::On;
@@ -147,6 +151,10 @@ impl<'a> Renderer<'a> {
     /// How the photons of a round are launched. Pilots teach the emitter where
     /// photons are needed; they run when a round that needs them is asked for.
     pub fn emitter_of(&self, round: u32) -> Option<&Emitter> {
+        let emitters = self.emitters.as_ref()?;
+        if self.settings.guidance == Guidance::Power {
+            return Some(emitters.first());
+        }
         let pilot = Pilot {
             // Whichever round of an epoch asks first.
             gather: self.scout(None),
@@ -156,7 +164,6 @@ impl<'a> Renderer<'a> {
             photons: self.photons,
             shrink: self.schedule.scale(0) / NATURAL_SCALE,
         };
-        let emitters = self.emitters.as_ref()?;
         Some(emitters.at(epoch(round), &|e, before| pilot.teach(e, before)))
     }
 

@@ -6,7 +6,7 @@ use super::{Job, Renderer};
 use crate::{
     plan::{film_quantum, judge},
     sampling::{Purpose, Sequence},
-    scene::{self, Digest, Input, Kernel, Sampler, Scene, Settings},
+    scene::{self, Digest, Guidance, Input, Kernel, Sampler, Scene, Settings},
     spectrum::Rgb,
 };
 
@@ -54,6 +54,8 @@ pub struct Subject {
     pub sampler: Sampler,
     /// The area over which a photon's light is spread.
     pub kernel: Kernel,
+    /// What decides where photons and shadow rays go.
+    pub guidance: Guidance,
     /// What was said about effects.
     pub effects_wanted: String,
     /// Names of the effects that are simulated; none for a reference method.
@@ -113,6 +115,7 @@ impl Subject {
             radius,
             sampler,
             kernel,
+            guidance,
             indirect,
             effects,
             max_depth,
@@ -130,6 +133,7 @@ impl Subject {
             radius,
             sampler,
             kernel,
+            guidance,
             effects_wanted: effects.to_string(),
             effects: Vec::new(),
             indirect_wanted: indirect,
@@ -188,6 +192,10 @@ impl Subject {
             .or_else(|| {
                 let [there, here] = [self.kernel, wanted.kernel].map(|k| format!("{k:?}"));
                 pair("the kernel", &there, &here)
+            })
+            .or_else(|| {
+                let [there, here] = [self.guidance, wanted.guidance].map(|g| format!("{g:?}"));
+                pair("the guidance", &there, &here)
             })
             .or_else(|| {
                 let [there, here] = [self.indirect_wanted, wanted.indirect_wanted];
@@ -258,6 +266,7 @@ mod tests {
             radius: 2.0,
             sampler: Sampler::Sobol,
             kernel: Kernel::Footprint,
+            guidance: Guidance::Learned,
             effects_wanted: "auto".to_owned(),
             effects: vec!["caustics".to_owned()],
             indirect_wanted: true,
@@ -284,7 +293,7 @@ mod tests {
     #[test]
     fn every_difference_is_named() {
         type Change = fn(&mut Subject);
-        let changes: [(Change, &str); 19] = [
+        let changes: [(Change, &str); 20] = [
             (
                 |s| s.version.push('2'),
                 "version of nephroid is 1 there and 12 here",
@@ -323,6 +332,10 @@ mod tests {
                 "sampler is Sobol there",
             ),
             (|s| s.kernel = Kernel::Circle, "kernel is Footprint there"),
+            (
+                |s| s.guidance = Guidance::Power,
+                "guidance is Learned there and Power here",
+            ),
             (
                 |s| s.indirect_wanted = false,
                 "`indirect` is true there and false here",
