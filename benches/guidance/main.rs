@@ -283,9 +283,8 @@ where
         if passes.is_multiple_of(REPLICATES) && (passes / REPLICATES).is_power_of_two() {
             let seconds = clock.seconds();
             let found = images(&film);
-            let error = |k: usize| {
-                relmse_trimmed(&found[k], &truth.images[k], WORST).unwrap_or(f64::NAN)
-            };
+            let error =
+                |k: usize| relmse_trimmed(&found[k], &truth.images[k], WORST).unwrap_or(f64::NAN);
             points.push(Point {
                 passes,
                 seconds: seconds - judging,
@@ -332,10 +331,15 @@ fn ratios([ours, others @ ..]: &[Vec<Point>; 3], which: usize, what: &str) {
 /// never reached.
 fn time_to(curve: &[Point], which: usize, target: f64) -> Option<f64> {
     let pairs = curve.iter().zip(curve.iter().skip(1));
-    let mut crossing = pairs.filter(|(a, b)| a.errors[which] >= target && b.errors[which] <= target);
+    let mut crossing =
+        pairs.filter(|(a, b)| a.errors[which] >= target && b.errors[which] <= target);
     let (a, b) = crossing.next()?;
     let [x, y] = [a, b].map(|p| p.errors[which].ln());
-    let part = if x > y { (x - target.ln()) / (x - y) } else { 1.0 };
+    let part = if x > y {
+        (x - target.ln()) / (x - y)
+    } else {
+        1.0
+    };
     Some((a.seconds.ln() + part * (b.seconds.ln() - a.seconds.ln())).exp())
 }
 

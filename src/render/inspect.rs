@@ -112,7 +112,7 @@ impl Renderer<'_> {
     /// rays cast.
     pub(crate) fn photon_effort(&self) -> f64 {
         let pixels = f64::from(self.resolution[0]) * f64::from(self.resolution[1]);
-        PATH * self.photons as f64 / pixels
+        PATH * self.photons() as f64 / pixels
     }
 
     /// Takes camera samples apart: those of paths `0 .. count` of a sequence,
@@ -124,7 +124,7 @@ impl Renderer<'_> {
         count: u64,
         mut found: impl FnMut(&Sight),
     ) {
-        let gather = self.scout(map);
+        let gather = self.scout(map, 0);
         let glints = self.plan().glints.then(|| Glints::new(self.scene));
         let mut near = gather.vicinity();
         for i in 0..count {

@@ -14,6 +14,8 @@ mod driver;
 mod glints;
 mod importance;
 mod inspect;
+mod lamps;
+mod learn;
 mod memory;
 mod part;
 mod pass;

@@ -46,8 +46,10 @@ pub struct Subject {
     pub window: [u32; 4],
     /// Seed.
     pub seed: u64,
-    /// Photon paths of a pass; 0 where there are none.
+    /// Photon paths of a pass of the first round; 0 where there are none.
     pub photons_per_pass: u64,
+    /// Most photon paths of a pass of any round; 0 where there are none.
+    pub most_photons: u64,
     /// Kernel radius of the first round in pixel footprints.
     pub radius: f64,
     /// The points at which photons and camera look.
@@ -91,6 +93,7 @@ impl Subject {
         };
         Self {
             photons_per_pass: renderer.photons(),
+            most_photons: renderer.most_photons(),
             effects: judge(scene, &job.settings)
                 .iter()
                 .filter(|verdict| verdict.on)
@@ -130,6 +133,7 @@ impl Subject {
             window: job.window(),
             seed,
             photons_per_pass: 0,
+            most_photons: 0,
             radius,
             sampler,
             kernel,
@@ -183,6 +187,10 @@ impl Subject {
             .or_else(|| {
                 let what = "the number of photons in a pass";
                 pair(what, &self.photons_per_pass, &wanted.photons_per_pass)
+            })
+            .or_else(|| {
+                let what = "the largest number of photons in a pass";
+                pair(what, &self.most_photons, &wanted.most_photons)
             })
             .or_else(|| pair("the radius", &self.radius, &wanted.radius))
             .or_else(|| {
@@ -263,6 +271,7 @@ mod tests {
             window: [0, 0, 8, 6],
             seed: 1,
             photons_per_pass: 9,
+            most_photons: 99,
             radius: 2.0,
             sampler: Sampler::Sobol,
             kernel: Kernel::Footprint,
@@ -293,7 +302,7 @@ mod tests {
     #[test]
     fn every_difference_is_named() {
         type Change = fn(&mut Subject);
-        let changes: [(Change, &str); 20] = [
+        let changes: [(Change, &str); 21] = [
             (
                 |s| s.version.push('2'),
                 "version of nephroid is 1 there and 12 here",
@@ -325,6 +334,10 @@ mod tests {
             (
                 |s| s.photons_per_pass = 10,
                 "photons in a pass is 9 there and 10 here",
+            ),
+            (
+                |s| s.most_photons = 98,
+                "largest number of photons in a pass is 99 there and 98 here",
             ),
             (|s| s.radius = 2.5, "radius is 2 there and 2.5 here"),
             (
