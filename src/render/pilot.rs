@@ -217,7 +217,7 @@ impl Pilot<'_> {
         let lessons = rehearsal.lessons(|photon| {
             // All kernels count as equally large: with a camera that sees them
             // equally well, photons then spread evenly over what is seen.
-            photon.flux.mean() * importance.of(photon).sqrt()
+            photon.flux.mean() * importance.of(ctx.scene, photon).sqrt()
         });
         before.taught(&lessons, self.photons)
     }
