@@ -276,14 +276,9 @@ fn a_guided_photon_knows_its_cell() {
 /// lamp, and ten lamps a hundred times as strong are in the other; the program
 /// chooses the photons.
 fn two_halls(guidance: Guidance) -> Scene {
-    let strong: String = (0..10)
-        .map(|i| {
-            format!(
-                "Sphere(center: ({}, 8, 4), radius: 0.1, power: 1000),",
-                i - 5
-            )
-        })
-        .collect();
+    let strong = [-5, -4, -3, -2, -1, 0, 1, 2, 3, 4]
+        .map(|x| format!("Sphere(center: ({x}, 8, 4), radius: 0.1, power: 1000),"))
+        .concat();
     scene_of(
         "eye: (0, -4, 2.5), look_at: (0, 0, 0.3), up: (0, 0, 1), fov: 40",
         [144, 96],
@@ -301,7 +296,10 @@ fn two_halls(guidance: Guidance) -> Scene {
 /// one in a thousand.
 #[test]
 fn the_first_round_is_guided() {
-    for (guidance, bounds) in [(Guidance::Learned, 0.6..0.95), (Guidance::Power, 1e-4..1e-2)] {
+    for (guidance, bounds) in [
+        (Guidance::Learned, 0.6..0.95),
+        (Guidance::Power, 1e-4..1e-2),
+    ] {
         let scene = two_halls(guidance);
         let renderer = renderer(&scene);
         let tally = renderer.shoot(0, 0).tally;
