@@ -230,12 +230,14 @@ impl Pilot<'_> {
             let n = (passes(epoch) * n as f64) as u64;
             (n >= least).then_some(n.min(most))
         };
-        // Where photons are the work, a few more looks do not count, nor do a
-        // few more photons where looks are.
-        let shots = self.photons.max(pixels);
+        // Where photons are the work, a few more looks do not count, nor do the
+        // fewest photons that teach where looks are.
+        let [fewest, _] = PATHS;
+        let is_little = passes(epoch) * pixels as f64 >= fewest as f64;
         let looks = pixels.max(self.photons / PATHS_PER_SAMPLE);
         Some([
-            part(shots, PATHS[0], self.photons.max(PATHS[1]))?,
+            part(self.photons, fewest, self.photons.max(PATHS[1]))
+                .or(is_little.then_some(fewest))?,
             part(looks, SAMPLES[0], SAMPLES[1])?,
         ])
     }
