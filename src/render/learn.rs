@@ -65,8 +65,14 @@ impl Renderer<'_> {
         let pilot = self.pilot(before.photons);
         pilot.size(epoch)?;
         let taught = pilot.teach(epoch, &before.emitter);
+        // The first kernels and photons have just been weighed.
+        let is_new = taught.is_some() || epoch > 0;
         let emitter = taught.unwrap_or_else(|| before.emitter.clone());
-        let photons = self.photon_paths(&emitter, Some(epoch), Some(before.photons));
+        let photons = if is_new {
+            self.photon_paths(&emitter, Some(epoch), Some(before.photons))
+        } else {
+            before.photons
+        };
         let refinement = self.find_refinement(Some(&emitter), photons, Some(epoch));
         Some(before.next(epoch, emitter, photons, refinement))
     }

@@ -231,15 +231,15 @@ impl Pilot<'_> {
             (n >= least).then_some(n.min(most))
         };
         // Where photons are the work, a few more looks do not count, nor do the
-        // fewest photons that teach where looks are.
+        // fewest photons that teach where looks are: these are shared by both.
         let [fewest, _] = PATHS;
         let is_little = passes(epoch) * pixels as f64 >= fewest as f64;
         let looks = pixels.max(self.photons / PATHS_PER_SAMPLE);
-        Some([
-            part(self.photons, fewest, self.photons.max(PATHS[1]))
-                .or(is_little.then_some(fewest))?,
-            part(looks, SAMPLES[0], SAMPLES[1])?,
-        ])
+        let looks = part(looks, SAMPLES[0], SAMPLES[1])?;
+        match part(self.photons, fewest, self.photons.max(PATHS[1])) {
+            Some(paths) => Some([paths, looks]),
+            None => is_little.then_some([fewest, looks.min(fewest / PATHS_PER_SAMPLE)]),
+        }
     }
 
     /// Camera paths over the whole picture: the points they reach, weighed by
