@@ -9,7 +9,7 @@ use nephroid::{
     photon::{Emitter, Photon, Rehearsal, shoot},
     render::{REPLICATES, Renderer},
     sampling::{Purpose, Sequence},
-    scene::Scene,
+    scene::{Guidance, Scene},
 };
 
 /// Paths of a pass in these scenes.
@@ -218,17 +218,19 @@ fn lessons_move_paths() {
 /// which pass was asked for first.
 #[test]
 fn passes_may_be_asked_for_in_any_order() {
-    let scene = keyhole();
-    let (forth, back) = (renderer(&scene), renderer(&scene));
-    let passes = [0, 15, 16, 33];
-    let samples = |r: &Renderer<'_>, pass| r.pass(pass).samples;
-    let first: Vec<_> = passes.iter().map(|&p| samples(&forth, p)).collect();
-    let last: Vec<_> = passes.iter().rev().map(|&p| samples(&back, p)).collect();
-    for (i, pass) in passes.iter().enumerate() {
-        assert!(
-            first[i] == last[passes.len() - 1 - i],
-            "pass {pass} depends on those before it"
-        );
+    // With a number of photons and without: then it is learned, too.
+    for scene in [keyhole(), two_halls(Guidance::Learned)] {
+        let (forth, back) = (renderer(&scene), renderer(&scene));
+        let passes = [0, 15, 16, 33];
+        let samples = |r: &Renderer<'_>, pass| r.pass(pass).samples;
+        let first: Vec<_> = passes.iter().map(|&p| samples(&forth, p)).collect();
+        let last: Vec<_> = passes.iter().rev().map(|&p| samples(&back, p)).collect();
+        for (i, pass) in passes.iter().enumerate() {
+            assert!(
+                first[i] == last[passes.len() - 1 - i],
+                "pass {pass} depends on those before it"
+            );
+        }
     }
 }
 
@@ -268,4 +270,78 @@ fn a_guided_photon_knows_its_cell() {
     let [least, most] = [f64::min, f64::max].map(|f| fluxes.iter().copied().reduce(f));
     let ratio = most.expect("photons") / least.expect("photons");
     assert!(ratio > 4.0, "guides at work: fluxes differ by {ratio}");
+}
+
+/// Two halls with a ball of glass each. The camera sees one, lit by a weak
+/// lamp, and ten lamps a hundred times as strong are in the other; the program
+/// chooses the photons.
+fn two_halls(guidance: Guidance) -> Scene {
+    let strong = [-5, -4, -3, -2, -1, 0, 1, 2, 3, 4]
+        .map(|x| format!("Sphere(center: ({x}, 8, 4), radius: 0.1, power: 1000),"))
+        .concat();
+    scene_of(
+        "eye: (0, -4, 2.5), look_at: (0, 0, 0.3), up: (0, 0, 1), fov: 40",
+        [144, 96],
+        "(shape: Quad(corner: (-20, -20, 0), u: (40, 0, 0), v: (0, 40, 0)), material: \"grey\"),
+         (shape: Quad(corner: (-20, 4, -1), u: (40, 0, 0), v: (0, 0, 9)), material: \"grey\"),
+         (shape: Sphere(center: (0, 0, 0.8), radius: 0.5), material: \"glass\"),
+         (shape: Sphere(center: (0, 8, 1), radius: 0.8), material: \"glass\")",
+        &format!("Sphere(center: (-1, 0.5, 4), radius: 0.1, power: 10), {strong}"),
+        &format!("guidance: {guidance:?}, indirect: false"),
+    )
+}
+
+/// From the first round on a weak lamp whose caustic is seen gets most photons,
+/// and the number of photons is chosen for what is seen; by power it would get
+/// one in a thousand.
+#[test]
+fn the_first_round_is_guided() {
+    for (guidance, bounds) in [
+        (Guidance::Learned, 0.6..0.95),
+        (Guidance::Power, 1e-4..1e-2),
+    ] {
+        let scene = two_halls(guidance);
+        let renderer = renderer(&scene);
+        let tally = renderer.shoot(0, 0).tally;
+        let all: u64 = tally.lights.iter().map(|l| l.paths).sum();
+        assert_eq!(all, renderer.photons());
+        let part = tally.lights[0].paths as f64 / all as f64;
+        assert!(bounds.contains(&part), "{guidance:?}: {part}");
+    }
+}
+
+/// Mean radiance of a layer over the whole picture in each of the replicates
+/// of some rounds.
+fn means(scene: &Scene, layer: usize, rounds: [u32; 2]) -> Estimate {
+    let renderer = renderer(scene);
+    let passes = rounds.map(|round| round * REPLICATES..(round + 1) * REPLICATES);
+    let means: Vec<f64> = passes
+        .into_iter()
+        .flatten()
+        .map(|pass| {
+            let samples = renderer.pass(pass).samples;
+            let sum: f64 = samples.iter().map(|s| s.layers[layer].mean()).sum();
+            sum / samples.len() as f64
+        })
+        .collect();
+    Estimate::of(&means)
+}
+
+/// What is learned about lights, photons and their number changes the noise and
+/// not the mean: direct light and caustics of rounds of different epochs are the
+/// same as by power, and less noisy.
+#[test]
+fn learning_keeps_the_mean() {
+    let [learned, power] = [Guidance::Learned, Guidance::Power].map(two_halls);
+    for (layer, what) in [(0, "direct"), (1, "caustic")] {
+        let [fine, rough] = [&learned, &power].map(|scene| means(scene, layer, [0, 2]));
+        assert!(
+            (fine.mean - rough.mean).abs() < 4.0 * fine.error.hypot(rough.error),
+            "{what}: {fine:?} learned, {rough:?} by power"
+        );
+        assert!(
+            fine.error < 0.5 * rough.error,
+            "{what}: {fine:?} learned, {rough:?} by power: no better"
+        );
+    }
 }

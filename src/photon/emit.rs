@@ -60,15 +60,20 @@ impl Emitter {
         if !ctx.plan.caustics {
             return None;
         }
-        let aims: Vec<Aim> = ctx
-            .scene
-            .lights
-            .iter()
-            .enumerate()
-            .map(|(i, _)| Aim::new(ctx, i, Sequence::new(0, Purpose::Pilot, 0, i as u64)))
-            .collect();
+        let aims = aims(ctx);
         let powers = aims.iter().map(|a| a.powers().to_vec()).collect();
         Self::with_parts(&aims, powers, Vec::new())
+    }
+
+    /// The same with shares by power alone: without a floor, what gets little
+    /// power gets few photons.
+    pub fn by_power(ctx: &Context<'_>) -> Option<Self> {
+        if !ctx.plan.caustics {
+            return None;
+        }
+        let aims = aims(ctx);
+        let powers: Vec<f64> = aims.iter().map(Aim::power_estimate).collect();
+        Self::of(aims, &powers)
     }
 
     /// Aims every light at what the plan proves to be in vain, and at nothing
@@ -183,6 +188,12 @@ impl Emitter {
     pub fn aims(&self) -> &[Aim] {
         &self.aims
     }
+}
+
+/// Every light of the scene, aimed at the casters of the plan.
+fn aims(ctx: &Context<'_>) -> Vec<Aim> {
+    let aim = |i| Aim::new(ctx, i, Sequence::new(0, Purpose::Pilot, 0, i as u64));
+    (0..ctx.scene.lights.len()).map(aim).collect()
 }
 
 /// Raises the parts of a whole that are below the floor to it.

@@ -76,7 +76,7 @@ pub fn gather(
 
 /// Whether a surface separates what lies on its two sides: light that passes
 /// glass is no leak.
-fn is_wall(material: &Material) -> bool {
+pub fn is_wall(material: &Material) -> bool {
     match material {
         Material::Diffuse { .. } | Material::Mirror { .. } | Material::Black => true,
         Material::Dielectric { .. } => false,

@@ -28,8 +28,11 @@ const BY_POWER: f64 = 0.1;
 
 /// Mean square of the scores over the square of their mean, from which on it
 /// is worth while to teach: the most by which the variance can fall. With less
-/// to gain, the evenness of paths that nobody guided is worth more.
+/// to gain, the evenness of paths that nobody guided is worth more. That holds
+/// for passes of so many paths and more; with fewer, guides have few cells and
+/// have to promise as much more.
 const WORTH_IT: f64 = 2.0;
+const MANY: f64 = 12_800.0;
 
 /// Paths of a pass for each cell of a guide: kernels change their size from
 /// cell to cell, and most of them should lie within one.
@@ -137,8 +140,8 @@ impl Emitter {
 
     /// An emitter that spreads its paths in proportion to the scores, but for
     /// a tenth that goes on as power and chance will have it: every path that
-    /// was possible stays so. A pass is to have so many `paths`. The lessons must come from rehearsals of this
-    /// emitter. `None` if no path was worth anything, or nearly all were worth the
+    /// was possible stays so. A pass is to have so many `paths`. The lessons must
+    /// come from rehearsals of this emitter. `None` if no path was worth anything, or nearly all were worth the
     /// same: then there is little to gain.
     #[must_use]
     pub fn taught(&self, lessons: &[Lesson], paths: u64) -> Option<Self> {
@@ -167,7 +170,8 @@ impl Emitter {
             .flatten()
             .map(|s| s.weight * s.weight)
             .sum();
-        if total == 0.0 || lessons.len() as f64 * squares < WORTH_IT * total * total {
+        let worth = WORTH_IT * (MANY / paths as f64).max(1.0);
+        if total == 0.0 || lessons.len() as f64 * squares < worth * total * total {
             return None;
         }
         let power: f64 = self.aims().iter().map(Aim::power_estimate).sum();

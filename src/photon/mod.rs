@@ -27,7 +27,7 @@ mod trial;
 pub use aim::Aim;
 pub use emit::{Emission, Emitter};
 pub use footprint::Footprint;
-pub use gather::gather;
+pub use gather::{gather, is_wall};
 pub use guide::{Lesson, Origin, Rehearsal};
 pub use map::{BYTES_PER_PHOTON, Ellipse, Gathered, Kernels, PhotonMap, Query, Vicinity};
 pub use shoot::{Shot, shoot};

@@ -7,7 +7,7 @@ use rayon::prelude::*;
 use crate::{
     film::{Layer, PixelSample},
     geometry::Ray,
-    photon::shoot,
+    photon::{Emitter, shoot},
     sampling::{Purpose, Sequence, Stream},
     spectrum::Rgb,
 };
@@ -17,7 +17,8 @@ use super::{
     camera_walk::Gather,
     coordinates,
     glints::{self, Glints},
-    pass::PILOT_PHOTONS,
+    learn::PILOT_PHOTONS,
+    pilot,
     refine::{REACH, Refinement},
     share,
     tally::CameraTally,
@@ -151,7 +152,7 @@ impl Renderer<'_> {
         }
         let window = self.window().grown(self.resolution);
         let glints = Glints::new(self.scene);
-        let mut gather = self.scout(None);
+        let mut gather = self.scout(None, 0);
         gather.ctx.max_depth = gather.ctx.max_depth.min(glints::PILOT_DEPTH);
         let (found, _) = window.map(
             || (),
@@ -165,16 +166,23 @@ impl Renderer<'_> {
         found
     }
 
-    /// Where further samples pay, by a pilot over the whole picture.
-    pub(super) fn find_refinement(&self) -> Refinement {
-        let seed = self.settings.seed;
-        let map = self.emitter().map(|emitter| {
-            let photons = Sequence::new(seed, Purpose::Pilot, 6, 0);
-            let shot = shoot(&self.called_for(), emitter, photons, 0, PILOT_PHOTONS);
-            self.map(&shot, 0)
+    /// Where further samples pay, by a pilot over the whole picture, where an
+    /// epoch launches so many photon paths a pass; `None` before the first.
+    pub(super) fn find_refinement(
+        &self,
+        emitter: Option<&Emitter>,
+        photons: u64,
+        epoch: Option<usize>,
+    ) -> Refinement {
+        let (round, number) = (pilot::round(epoch), pilot::sequence(epoch) + 4);
+        let pilot =
+            |k: u32, item| Sequence::new(self.settings.seed, Purpose::Pilot, number + k, item);
+        let map = emitter.map(|emitter| {
+            let shot = shoot(&self.called_for(), emitter, pilot(0, 0), 0, PILOT_PHOTONS);
+            self.map(&shot, round)
         });
-        let gather = self.scout(map.as_ref());
-        let places = Sequence::new(seed, Purpose::Pilot, 7, 0);
+        let gather = self.scout(map.as_ref(), round);
+        let places = pilot(1, 0);
         let [width, height] = self.resolution;
         let found: Vec<(Vec<f64>, CameraTally)> = (0..PILOT_PLACES)
             .into_par_iter()
@@ -191,7 +199,7 @@ impl Renderer<'_> {
                 let mut radiances = Vec::with_capacity(MOST_NEIGHBOURS + 1);
                 for y in around.y..around.y + around.height {
                     for x in around.x..around.x + around.width {
-                        let stream = Sequence::new(seed, Purpose::Pilot, 8, self.item(x, y)).at(i);
+                        let stream = pilot(2, self.item(x, y)).at(i);
                         let ray = self.ray(x, y, &stream);
                         let sample = gather.sample(ray, &stream, &mut near, &mut tally);
                         radiances.push(sample.total().mean());
@@ -212,7 +220,7 @@ impl Renderer<'_> {
         }
         let sample_cost = tally.work(all.len() as u64).of_sample();
         let pixels = u64::from(width) * u64::from(height);
-        let overhead = share::photon_cost(self.photons, pixels) / sample_cost;
+        let overhead = share::photon_cost(photons, pixels) / sample_cost;
         Refinement::new(mean, &variances, overhead)
     }
 
@@ -232,12 +240,13 @@ impl Renderer<'_> {
                 gather.sample(self.ray(px, py, &stream), &stream, near, tally)
             },
         );
+        let refinement = self.refinement_of(round);
         let radiance: Vec<f64> = first.iter().map(|s| s.total().mean()).collect();
         let (samples, further) = self.window().map(
             || gather.vicinity(),
             |px, py, near, tally| {
                 let (neighbours, count) = whole.neighbours(&radiance, px, py);
-                let n = self.refinement.further(&neighbours[..count]);
+                let n = refinement.further(&neighbours[..count]);
                 let i = whole.index(px, py);
                 let mut sample = first[i];
                 if n > 0 {

@@ -32,7 +32,8 @@ const SPLIT_ABOVE: f64 = 0.03;
 /// Shadow rays at the first diffuse surface: at least the first number, and
 /// one to each light up to the second; fewer on a path that carries less. More
 /// cost as much as they gain, but where penumbras fill the picture.
-const SHADOW_RAYS: [usize; 2] = [2, 8];
+const SHADOW_RAYS: [usize; 2] = [2, MOST_SHADOW_RAYS];
+pub(super) const MOST_SHADOW_RAYS: usize = 8;
 
 /// Shadow rays at later diffuse surfaces.
 const LATER_SHADOW_RAYS: u32 = 1;

@@ -8,7 +8,7 @@
 //! the *importance* (P. Christensen, *Adjoints and Importance in Rendering: an
 //! Overview*, 2003), found like irradiance.
 
-use std::f64::consts::FRAC_1_PI;
+use std::{cell::OnceCell, f64::consts::FRAC_1_PI};
 
 use glam::{DVec2, DVec3};
 
@@ -17,8 +17,9 @@ use crate::{
     geometry::Ray,
     material::Material,
     numeric::Frame,
-    photon::{Footprint, Kernels, Photon, PhotonMap, Query},
+    photon::{Footprint, Kernels, Photon, PhotonMap, Query, is_wall},
     sampling::{Stream, warp},
+    scene::Scene,
     spectrum::Rgb,
     transport::{Context, DiffusePoint, End, Walker},
 };
@@ -33,6 +34,10 @@ const DIFFUSE_SPREAD: f64 = 0.2;
 
 /// Smallest cosine of incidence by which a kernel is stretched.
 const GRAZING: f64 = 0.2;
+
+/// How far above the surface the way from a photon to a point is looked at, in
+/// lengths of the way.
+const LIFT: f64 = 0.05;
 
 /// Points that a camera path reached, not yet weighed against their pixel: the
 /// weight is `t^2`.
@@ -180,8 +185,29 @@ impl Importance {
         }
     }
 
-    /// Importance per m2 where a photon landed, for light of its kind.
-    pub(super) fn of(&self, photon: &Photon) -> f64 {
+    /// Importance per m2 where a photon landed, for light of its kind. What
+    /// lies behind a wall is not seen.
+    pub(super) fn of(&self, scene: &Scene, photon: &Photon) -> f64 {
+        let world = &scene.world;
+        let walls = OnceCell::new();
+        let is_wall = |i: u32| is_wall(&scene.objects[i as usize].material);
+        self.weighed(photon, |offset| {
+            let near = || world.neighbours(photon.position, self.longest, is_wall);
+            let (walls, clear) = walls.get_or_init(near);
+            let distance = offset.length();
+            if distance <= *clear {
+                return true;
+            }
+            // Above the surface itself, which is a wall, too.
+            let start = photon.position + photon.normal * (LIFT * distance);
+            let ray = Ray::new(start, offset / distance);
+            !world.occluded_by(walls, &ray, distance)
+        })
+    }
+
+    /// The same where `is_clear` says to which points, seen from the photon,
+    /// the way is.
+    fn weighed(&self, photon: &Photon, is_clear: impl Fn(DVec3) -> bool) -> f64 {
         let query = Query {
             p: photon.position,
             n: photon.normal,
@@ -194,7 +220,9 @@ impl Importance {
                 spacing: 0.0,
             },
         };
-        let found = self.map.irradiance(&query, |_, _| [1.0; 3]);
+        let found = self.map.irradiance(&query, |offset, _| {
+            [f64::from(u8::from(is_clear(offset))); 3]
+        });
         let all = if photon.bounced {
             found.irradiance + found.bounced
         } else {
@@ -246,7 +274,7 @@ mod tests {
         let importance = Importance::new(&points, n);
         for (x, y) in [(0.0, 0.0), (0.5, -0.3), (-0.71, 0.2)] {
             for (bounced, expected) in [(false, 0.75), (true, 1.5)] {
-                let found = importance.of(&photon(DVec3::new(x, y, 0.0), bounced));
+                let found = importance.weighed(&photon(DVec3::new(x, y, 0.0), bounced), |_| true);
                 // A dozen low-discrepancy points make up the kernel.
                 assert!(
                     (found / expected - 1.0).abs() < 0.25,
@@ -254,7 +282,7 @@ mod tests {
                 );
             }
         }
-        let outside = importance.of(&photon(DVec3::new(3.0, 0.0, 0.0), false));
+        let outside = importance.weighed(&photon(DVec3::new(3.0, 0.0, 0.0), false), |_| true);
         assert_eq!(outside, 0.0, "not seen");
     }
 

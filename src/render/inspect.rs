@@ -7,6 +7,7 @@ use crate::{
     material::Material,
     photon::{Photon, PhotonMap, Vicinity},
     sampling::{Sequence, Stream},
+    scene::Scene,
     transport::{
         Bend, Carried, DiffusePoint, End, Lobes, Walker, direct_by_extent, lobes, media_beside,
         meet,
@@ -75,18 +76,21 @@ pub(crate) struct Sight {
 }
 
 /// Where photons would be seen.
-pub(crate) struct Seen(Importance);
+pub(crate) struct Seen<'a> {
+    importance: Importance,
+    scene: &'a Scene,
+}
 
-impl Seen {
+impl Seen<'_> {
     /// Whether the camera looks where a photon has landed.
     pub(crate) fn sees(&self, photon: &Photon) -> bool {
-        self.0.of(photon) > 0.0
+        self.importance.of(self.scene, photon) > 0.0
     }
 }
 
 impl Renderer<'_> {
     /// Looks from the camera at `samples` places over the whole picture.
-    pub(crate) fn seen(&self, sequence: Sequence, samples: u64) -> Seen {
+    pub(crate) fn seen(&self, sequence: Sequence, samples: u64) -> Seen<'_> {
         let ctx = self.called_for();
         let beam = beam(&self.camera, self.resolution, samples);
         let points: Vec<Photon> = (0..samples)
@@ -98,7 +102,10 @@ impl Renderer<'_> {
             })
             .flatten()
             .collect();
-        Seen(Importance::new(&points, samples))
+        Seen {
+            importance: Importance::new(&points, samples),
+            scene: self.scene,
+        }
     }
 
     /// The ray of a stream through the whole picture.
@@ -112,7 +119,7 @@ impl Renderer<'_> {
     /// rays cast.
     pub(crate) fn photon_effort(&self) -> f64 {
         let pixels = f64::from(self.resolution[0]) * f64::from(self.resolution[1]);
-        PATH * self.photons as f64 / pixels
+        PATH * self.photons() as f64 / pixels
     }
 
     /// Takes camera samples apart: those of paths `0 .. count` of a sequence,
@@ -124,7 +131,7 @@ impl Renderer<'_> {
         count: u64,
         mut found: impl FnMut(&Sight),
     ) {
-        let gather = self.scout(map);
+        let gather = self.scout(map, 0);
         let glints = self.plan().glints.then(|| Glints::new(self.scene));
         let mut near = gather.vicinity();
         for i in 0..count {

@@ -15,6 +15,8 @@ mod forecast;
 mod glints;
 mod importance;
 mod inspect;
+mod lamps;
+mod learn;
 mod memory;
 mod part;
 mod pass;

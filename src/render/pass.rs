@@ -1,39 +1,26 @@
 //! One pass: photons, map, camera samples. A pure function of the scene, the
 //! settings, the seed and the pass index.
 
-use rayon::prelude::*;
-
 use crate::{
-    film::{Layer, PixelSample},
+    film::PixelSample,
     photon::{Emitter, PhotonMap, Shot, Tally, shoot},
     plan::Plan,
     sampling::{Purpose, Sequence},
-    scene::{Choice, Effect, Kernel, Sampler, Scene, Settings},
+    scene::{Choice, Effect, Guidance, Kernel, Sampler, Scene, Settings},
     transport::{Context, LightPicker},
 };
 
 use super::{
     camera_walk::Gather,
-    memory::{FEWEST_PHOTONS, photon_budget},
-    pilot::{Epochs, Pilot, epoch},
+    memory::FEWEST_PHOTONS,
+    pilot::Epochs,
     refine::Refinement,
     schedule::{REPLICATES, Schedule},
-    share::{Probe, Survey},
-    tally::CameraTally,
 };
-
-/// Most photon paths that the program chooses, in all and for each pixel: more
-/// passes with fewer photons serve as well and see more of the camera's side.
-const MOST_PHOTONS: u64 = 1 << 23;
-const PHOTONS_PER_PIXEL: u64 = 8;
 
 /// Kernel scale of the first round, in pixel footprints, at which photons have
 /// kernels of their own footprint's size.
-const NATURAL_SCALE: f64 = 2.0;
-
-/// Photon paths of each of the pilot's two sets, and pixels it looks at.
-pub(super) const PILOT_PHOTONS: u64 = 1 << 12;
-const PILOT_PIXELS: u64 = 1 << 10;
+pub(super) const NATURAL_SCALE: f64 = 2.0;
 
 /// Everything that passes of one render share.
 pub struct Renderer<'a> {
@@ -42,16 +29,16 @@ pub struct Renderer<'a> {
     plan: Plan,
     forced: Option<Forced>,
     picker: LightPicker,
-    emitters: Option<Epochs>,
-    schedule: Schedule,
+    pub(super) epochs: Option<Epochs>,
+    pub(super) schedule: Schedule,
     pub(super) resolution: [u32; 2],
     pub(super) camera: crate::camera::Camera,
     pub(super) crop: [u32; 4],
-    pub(super) photons: u64,
     /// Per pixel of the window and around it: whether sources may glint there;
     /// nothing where none can.
     pub(super) glinting: Vec<bool>,
-    pub(super) refinement: Refinement,
+    /// Where further samples pay if there are no photons.
+    refinement: Refinement,
 }
 
 /// What runs although it is in vain, because the user says so. What is decided
@@ -103,7 +90,10 @@ impl<'a> Renderer<'a> {
             picker: &picker,
             max_depth: settings.max_depth,
         };
-        let emitters = Emitter::new(&ctx).map(Epochs::new);
+        let emitter = match settings.guidance {
+            Guidance::Learned => Emitter::new(&ctx),
+            Guidance::Power => Emitter::by_power(&ctx),
+        };
         let forced = plan.forced(scene, settings).map(|plan| {
             let ctx = Context { plan: &plan, ..ctx };
             let wanted = settings.choice(Effect::Caustics) == Choice::On;
@@ -115,21 +105,23 @@ impl<'a> Renderer<'a> {
             settings: settings.clone(),
             forced,
             picker,
-            emitters,
+            epochs: None,
             schedule: Schedule::new(settings.radius),
             resolution,
             camera: scene.camera.with_resolution(resolution),
             crop,
-            photons: 0,
             glinting: Vec::new(),
             refinement: Refinement::none(),
             plan,
         };
         renderer.glinting = renderer.find_glints();
-        if renderer.emitters.is_some() {
-            renderer.photons = renderer.photon_paths();
+        if settings.guidance == Guidance::Learned {
+            renderer.picker = renderer.picker_by_need();
         }
-        renderer.refinement = renderer.find_refinement();
+        match emitter {
+            Some(emitter) => renderer.epochs = Some(renderer.untaught(emitter)),
+            None => renderer.refinement = renderer.find_refinement(None, 0, None),
+        }
         renderer
     }
 
@@ -141,28 +133,30 @@ impl<'a> Renderer<'a> {
     /// How photons are launched before anything is learned about the picture;
     /// `None` where there are none.
     pub fn emitter(&self) -> Option<&Emitter> {
-        self.emitters.as_ref().map(Epochs::first)
+        self.epochs.as_ref().map(|epochs| &epochs.first().emitter)
     }
 
     /// How the photons of a round are launched. Pilots teach the emitter where
     /// photons are needed; they run when a round that needs them is asked for.
     pub fn emitter_of(&self, round: u32) -> Option<&Emitter> {
-        let pilot = Pilot {
-            // Whichever round of an epoch asks first.
-            gather: self.scout(None),
-            camera: &self.camera,
-            resolution: self.resolution,
-            seed: self.settings.seed,
-            photons: self.photons,
-            shrink: self.schedule.scale(0) / NATURAL_SCALE,
-        };
-        let emitters = self.emitters.as_ref()?;
-        Some(emitters.at(epoch(round), &|e, before| pilot.teach(e, before)))
+        self.stage_of(round).map(|stage| &stage.emitter)
     }
 
-    /// Photon paths of a pass.
+    /// Photon paths of a pass of the first round. Later rounds may have others;
+    /// see [`photons_of`](Self::photons_of).
     pub fn photons(&self) -> u64 {
-        self.photons
+        self.photons_of(0)
+    }
+
+    /// Photon paths of a pass of a round; 0 where there are none.
+    pub fn photons_of(&self, round: u32) -> u64 {
+        self.stage_of(round).map_or(0, |stage| stage.photons)
+    }
+
+    /// Where further camera samples of a round pay.
+    pub(super) fn refinement_of(&self, round: u32) -> &Refinement {
+        self.stage_of(round)
+            .map_or(&self.refinement, |stage| &stage.refinement)
     }
 
     /// Kernel radius of a round, in pixel footprints.
@@ -224,10 +218,10 @@ impl<'a> Renderer<'a> {
     pub fn shoot(&self, round: u32, replicate: u32) -> Shot {
         let sequence = |k| self.sequence(Purpose::Photon, replicate, k);
         let ctx = self.context();
-        let mut shot = match self.emitter_of(round) {
-            Some(emitter) => {
-                let first = u64::from(round) * self.photons;
-                shoot(&ctx, emitter, sequence(0), first, self.photons)
+        let mut shot = match self.stage_of(round) {
+            Some(stage) => {
+                let first = stage.first_path(round);
+                shoot(&ctx, &stage.emitter, sequence(0), first, stage.photons)
             }
             None => Shot {
                 tally: Tally::new(self.scene.lights.len()),
@@ -257,73 +251,11 @@ impl<'a> Renderer<'a> {
         }
     }
 
-    /// Photon paths of a pass: what the user says, or the power of two with
-    /// the least error for its work by a pilot; never more than the memory
-    /// budget holds. The pilot looks at the whole picture, so that a crop is
-    /// a window of it.
-    fn photon_paths(&self) -> u64 {
-        let wanted = self.settings.photons.unwrap_or_else(|| {
-            self.emitter().map_or(FEWEST_PHOTONS, |emitter| {
-                let pixels = u64::from(self.resolution[0]) * u64::from(self.resolution[1]);
-                let most = (pixels * PHOTONS_PER_PIXEL)
-                    .next_power_of_two()
-                    .clamp(FEWEST_PHOTONS, MOST_PHOTONS);
-                self.survey(emitter).best_paths(FEWEST_PHOTONS, most)
-            })
-        });
-        // A job that was checked has room for a few; one that was not gets them.
-        let size = [self.crop[2], self.crop[3]];
-        let room = photon_budget(size, self.settings.memory).unwrap_or(FEWEST_PHOTONS);
-        wanted.clamp(1, room)
-    }
-
-    /// The pilot: two camera samples in each of some pixels, with two
-    /// independent sets of photons.
-    fn survey(&self, emitter: &Emitter) -> Survey {
-        let seed = self.settings.seed;
-        let maps = [2, 3].map(|replicate| {
-            let photons = Sequence::new(seed, Purpose::Pilot, replicate, 0);
-            let shot = shoot(&self.called_for(), emitter, photons, 0, PILOT_PHOTONS);
-            self.map(&shot, 0)
-        });
-        let gathers = [0, 1].map(|k| self.scout(Some(&maps[k])));
-        let pixels = Sequence::new(seed, Purpose::Pilot, 4, 0);
-        let [width, height] = self.resolution;
-        let probe = |i: u64| {
-            let [u, v] = pixels.at(i).next_2d();
-            let [px, py] = [f64::from(width) * u, f64::from(height) * v].map(|x| x as u32);
-            let mut tally = CameraTally::default();
-            let mut look = |sample: u64, set: usize| {
-                let stream = Sequence::new(seed, Purpose::Pilot, 5, i).at(sample);
-                let ray = self.ray(px, py, &stream);
-                let found =
-                    gathers[set].sample(ray, &stream, &mut gathers[set].vicinity(), &mut tally);
-                // Where sources shine, neither photons nor shares matter.
-                (found.total() - found[Layer::Emission]).mean()
-            };
-            let probe = Probe {
-                first: [look(0, 0), look(0, 1)],
-                second: look(1, 1),
-            };
-            (probe, tally)
-        };
-        let found: Vec<(Probe, CameraTally)> =
-            (0..PILOT_PIXELS).into_par_iter().map(probe).collect();
-        let (probes, tallies): (Vec<Probe>, Vec<CameraTally>) = found.into_iter().unzip();
-        let mut tally = CameraTally::default();
-        for t in tallies {
-            tally += t;
-        }
-        let work = tally.work(3 * PILOT_PIXELS);
-        let all = u64::from(width) * u64::from(height);
-        Survey::new(&probes, PILOT_PHOTONS, work, all)
-    }
-
-    /// What camera samples of a pilot may ask.
-    pub(super) fn scout<'b>(&'b self, map: Option<&'b PhotonMap>) -> Gather<'b> {
+    /// What camera samples of a pilot may ask, with the kernels of a round.
+    pub(super) fn scout<'b>(&'b self, map: Option<&'b PhotonMap>, round: u32) -> Gather<'b> {
         Gather {
             ctx: self.called_for(),
-            ..self.gatherer(map, 0)
+            ..self.gatherer(map, round)
         }
     }
 

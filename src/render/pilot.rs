@@ -21,6 +21,7 @@ use super::{
     coordinates,
     importance::{Blocks, Importance, Reached, beam, reach},
     memory::FEWEST_PHOTONS,
+    refine::Refinement,
     schedule::REPLICATES,
     tally::CameraTally,
 };
@@ -55,9 +56,30 @@ const PATHS_PER_SAMPLE: u64 = 4;
 /// epoch has three.
 const FIRST_SEQUENCE: u32 = 16;
 
+/// The same for the sequences by which photons are weighed against camera
+/// samples; each epoch has eight.
+const WEIGHING_SEQUENCE: u32 = 64;
+
 /// Epoch of a round: 0 for rounds 0 and 1, then one for each doubling.
 pub(super) fn epoch(round: u32) -> usize {
     (round.max(1).ilog2() as usize).min(EPOCHS - 1)
+}
+
+/// The round by whose kernels a pilot of an epoch looks; `None` before the
+/// first.
+pub(super) fn round(epoch: Option<usize>) -> u32 {
+    epoch.map_or(0, first_round)
+}
+
+/// Number of the first of a pilot's eight sequences that weigh photons against
+/// camera samples.
+pub(super) fn sequence(epoch: Option<usize>) -> u32 {
+    epoch.map_or(2, |e| WEIGHING_SEQUENCE + 8 * e as u32)
+}
+
+/// The first round of an epoch.
+fn first_round(epoch: usize) -> u32 {
+    if epoch == 0 { 0 } else { 1 << epoch }
 }
 
 /// Work of the pilot of an epoch, in passes.
@@ -71,42 +93,92 @@ fn passes(epoch: usize) -> f64 {
     SHARE * rounds * f64::from(REPLICATES)
 }
 
-/// The emitters of all epochs, each learned when it is first asked for.
+/// How the passes of an epoch spend their work.
+#[derive(Clone)]
+pub(super) struct Stage {
+    pub(super) emitter: Emitter,
+    /// Photon paths of a pass.
+    pub(super) photons: u64,
+    /// Where further camera samples pay.
+    pub(super) refinement: Refinement,
+    /// The first round, and the number of its first path.
+    round: u32,
+    path: u64,
+}
+
+impl Stage {
+    /// Before all lessons.
+    pub(super) fn new(emitter: Emitter, photons: u64, refinement: Refinement) -> Self {
+        Self {
+            emitter,
+            photons,
+            refinement,
+            round: 0,
+            path: 0,
+        }
+    }
+
+    /// The number of the first path of a round, from the stage's own on.
+    pub(super) fn first_path(&self, round: u32) -> u64 {
+        self.path + u64::from(round - self.round) * self.photons
+    }
+
+    /// The stage of an epoch that follows this one. Its paths go on behind all
+    /// paths of this one, at a whole number of passes: then a pass is a net.
+    pub(super) fn next(
+        &self,
+        epoch: usize,
+        emitter: Emitter,
+        photons: u64,
+        refinement: Refinement,
+    ) -> Self {
+        let round = first_round(epoch);
+        Self {
+            emitter,
+            photons,
+            refinement,
+            round,
+            path: self.first_path(round).next_multiple_of(photons),
+        }
+    }
+}
+
+/// The stages of all epochs, each learned when it is first asked for.
 pub(super) struct Epochs {
-    first: Emitter,
-    taught: [OnceLock<Option<Emitter>>; EPOCHS],
+    first: Stage,
+    taught: [OnceLock<Option<Stage>>; EPOCHS],
 }
 
 impl Epochs {
-    /// Epochs that build on an emitter which was not taught.
-    pub(super) fn new(first: Emitter) -> Self {
+    /// Epochs that build on what was not taught.
+    pub(super) fn new(first: Stage) -> Self {
         Self {
             first,
             taught: Default::default(),
         }
     }
 
-    /// The emitter before all lessons.
-    pub(super) fn first(&self) -> &Emitter {
+    /// The stage before all lessons.
+    pub(super) fn first(&self) -> &Stage {
         &self.first
     }
 
-    /// The emitter of an epoch, below the largest number of them. `teach` runs
-    /// a pilot of an epoch with the emitter of the one before; where that
-    /// teaches nothing, the emitter stays.
+    /// The stage of an epoch, below the largest number of them. `teach` runs
+    /// the pilots of an epoch with the stage of the one before; where they
+    /// teach nothing, the stage stays.
     pub(super) fn at(
         &self,
         epoch: usize,
-        teach: &impl Fn(usize, &Emitter) -> Option<Emitter>,
-    ) -> &Emitter {
-        let mut emitter = &self.first;
+        teach: &impl Fn(usize, &Stage) -> Option<Stage>,
+    ) -> &Stage {
+        let mut stage = &self.first;
         for (e, slot) in self.taught.iter().enumerate().take(epoch + 1) {
-            let before = emitter;
+            let before = stage;
             if let Some(better) = slot.get_or_init(|| teach(e, before)) {
-                emitter = better;
+                stage = better;
             }
         }
-        emitter
+        stage
     }
 }
 
@@ -145,24 +217,29 @@ impl Pilot<'_> {
         let lessons = rehearsal.lessons(|photon| {
             // All kernels count as equally large: with a camera that sees them
             // equally well, photons then spread evenly over what is seen.
-            photon.flux.mean() * importance.of(photon).sqrt()
+            photon.flux.mean() * importance.of(ctx.scene, photon).sqrt()
         });
         before.taught(&lessons, self.photons)
     }
 
-    /// Photon paths and camera samples of an epoch's pilot.
-    fn size(&self, epoch: usize) -> Option<[u64; 2]> {
+    /// Photon paths and camera samples of an epoch's pilot; `None` where the
+    /// work allowed is too little to learn from.
+    pub(super) fn size(&self, epoch: usize) -> Option<[u64; 2]> {
         let pixels = u64::from(self.resolution[0]) * u64::from(self.resolution[1]);
         let part = |n: u64, least: u64, most: u64| {
             let n = (passes(epoch) * n as f64) as u64;
             (n >= least).then_some(n.min(most))
         };
-        // Where photons are the work, a few more looks do not count.
+        // Where photons are the work, a few more looks do not count, nor do the
+        // fewest photons that teach where looks are: these are shared by both.
+        let [fewest, _] = PATHS;
+        let is_little = passes(epoch) * pixels as f64 >= fewest as f64;
         let looks = pixels.max(self.photons / PATHS_PER_SAMPLE);
-        Some([
-            part(self.photons, PATHS[0], self.photons.max(PATHS[1]))?,
-            part(looks, SAMPLES[0], SAMPLES[1])?,
-        ])
+        let looks = part(looks, SAMPLES[0], SAMPLES[1])?;
+        match part(self.photons, fewest, self.photons.max(PATHS[1])) {
+            Some(paths) => Some([paths, looks]),
+            None => is_little.then_some([fewest, looks.min(fewest / PATHS_PER_SAMPLE)]),
+        }
     }
 
     /// Camera paths over the whole picture: the points they reach, weighed by
@@ -214,6 +291,40 @@ impl Pilot<'_> {
 mod tests {
     use super::*;
 
+    /// No path is traced twice, whatever their number from epoch to epoch, and
+    /// passes stay aligned with their number.
+    #[test]
+    fn paths_of_stages_follow_each_other() {
+        let text = "(camera: (eye: (0, -3, 2), look_at: (0, 0, 0), fov: 40),
+          image: (width: 8, height: 8),
+          objects: [
+            (shape: Plane(point: (0, 0, 0), normal: (0, 0, 1)), material: Diffuse(reflectance: 0.5)),
+            (shape: Sphere(center: (0, 0, 1), radius: 0.5), material: Dielectric(ior: 1.5)),
+          ],
+          lights: [Point(position: (0, 1, 4), power: 1)])";
+        let scene = crate::scene::load_str(text, "test.ron", std::path::Path::new(""));
+        let scene = scene.expect("a scene");
+        let settings = &scene.settings;
+        let renderer = crate::render::Renderer::new(&scene, settings, [8, 8], [0, 0, 8, 8]);
+        let emitter = renderer.emitter().expect("a caster");
+        let mut stage = Stage::new(emitter.clone(), 1 << 12, Refinement::none());
+        let mut end = 0;
+        for (e, photons) in [1 << 14, 1 << 12, 1 << 16, 3000, 3000, 1 << 13]
+            .into_iter()
+            .enumerate()
+        {
+            if e > 0 {
+                stage = stage.next(e, emitter.clone(), photons, Refinement::none());
+            }
+            for round in first_round(e)..first_round(e + 1) {
+                let first = stage.first_path(round);
+                assert!(first >= end, "epoch {e}: {first} before {end}");
+                assert!(first.is_multiple_of(stage.photons), "epoch {e}");
+                end = first + stage.photons;
+            }
+        }
+    }
+
     /// An epoch begins with a round that is a power of two, and what was spent
     /// on pilots by then is the allowed part of the passes before (of the first
     /// round, for the first).
@@ -222,7 +333,7 @@ mod tests {
         let mut spent = 0.0;
         for e in 0..EPOCHS {
             spent += passes(e);
-            let first = if e == 0 { 0 } else { 1u32 << e };
+            let first = first_round(e);
             assert_eq!(epoch(first), e);
             assert_eq!(epoch((1 << (e + 1)) - 1), e, "until the next power of two");
             let before = f64::from(first.max(1) * REPLICATES);

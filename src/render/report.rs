@@ -95,7 +95,7 @@ pub struct Report {
     pub tested: u64,
     /// Photons whose kernels reached the point asked for.
     pub accepted: u64,
-    /// Photon paths of a pass.
+    /// Photon paths of a pass of the first round.
     pub photons_per_pass: u64,
     /// Kernel radius of the first and the last round, in pixel footprints.
     pub radius: [f64; 2],

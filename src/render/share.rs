@@ -20,6 +20,10 @@ pub(super) const PATH: f64 = 7.0;
 /// out of each mean: a rare bright path must not decide for the rest.
 const TRIMMED: f64 = 0.01;
 
+/// Factor on variance times cost up to which a number of paths stays what it
+/// is: a pilot has noise of its own.
+const NEARLY: f64 = 1.03;
+
 /// What the pilot found through one pixel.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Probe {
@@ -103,8 +107,9 @@ impl Survey {
     }
 
     /// The power of two between `least` and `most` (powers of two) photon
-    /// paths with the least variance times cost; the smaller of equals.
-    pub(super) fn best_paths(&self, least: u64, most: u64) -> u64 {
+    /// paths with the least variance times cost; the smaller of equals. Those
+    /// `before` stay while nearly as good.
+    pub(super) fn best_paths(&self, least: u64, most: u64, before: Option<u64>) -> u64 {
         let mut best = least;
         let mut n = least;
         while n < most {
@@ -113,7 +118,10 @@ impl Survey {
                 best = n;
             }
         }
-        best
+        let good = NEARLY * self.inefficiency(best);
+        before
+            .filter(|&n| self.inefficiency(n) <= good)
+            .unwrap_or(best)
     }
 }
 
@@ -170,7 +178,7 @@ mod tests {
                     camera * path_cost * n
                         + photon * (path_cost * n - 2.0 * survey.sample_cost) / 3.0
                 };
-                let found = survey.best_paths(1, 1 << 40) as f64;
+                let found = survey.best_paths(1, 1 << 40, None) as f64;
                 assert!(slope(0.5 * found) < 0.0, "{survey:?}: {found} is too many");
                 assert!(slope(2.0 * found) > 0.0, "{survey:?}: {found} is too few");
             }
@@ -183,20 +191,33 @@ mod tests {
             photon: 0.0,
             ..SURVEY
         };
-        assert_eq!(no_photon_noise.best_paths(1 << 12, 1 << 23), 1 << 12);
+        assert_eq!(no_photon_noise.best_paths(1 << 12, 1 << 23, None), 1 << 12);
         let no_camera_noise = Survey {
             camera: 0.0,
             ..SURVEY
         };
         // At c n = 2 C.
-        assert_eq!(no_camera_noise.best_paths(1 << 12, 1 << 23), 1 << 17);
-        assert_eq!(no_camera_noise.best_paths(1 << 12, 1 << 15), 1 << 15);
+        assert_eq!(no_camera_noise.best_paths(1 << 12, 1 << 23, None), 1 << 17);
+        assert_eq!(no_camera_noise.best_paths(1 << 12, 1 << 15, None), 1 << 15);
         let nothing = Survey {
             photon: 0.0,
             camera: 0.0,
             ..SURVEY
         };
-        assert_eq!(nothing.best_paths(1 << 12, 1 << 23), 1 << 12);
+        assert_eq!(nothing.best_paths(1 << 12, 1 << 23, None), 1 << 12);
+    }
+
+    /// What is nearly as good stays, what is not goes.
+    #[test]
+    fn a_good_number_stays() {
+        let best = SURVEY.best_paths(1, 1 << 40, None);
+        let found = |before| SURVEY.best_paths(1, 1 << 40, Some(before));
+        assert_eq!(found(best), best);
+        let near = [best / 2, best * 2].map(|n| SURVEY.inefficiency(n) / SURVEY.inefficiency(best));
+        for (n, factor) in [best / 2, best * 2].into_iter().zip(near) {
+            assert_eq!(found(n) == n, factor <= NEARLY, "{factor}");
+        }
+        assert_eq!(found(best * 64), best);
     }
 
     /// Values with known variances are told apart, whatever the brightness,

@@ -6,7 +6,7 @@ use super::{Job, Renderer};
 use crate::{
     plan::{film_quantum, judge},
     sampling::{Purpose, Sequence},
-    scene::{self, Digest, Input, Kernel, Sampler, Scene, Settings},
+    scene::{self, Digest, Guidance, Input, Kernel, Sampler, Scene, Settings},
     spectrum::Rgb,
 };
 
@@ -46,14 +46,18 @@ pub struct Subject {
     pub window: [u32; 4],
     /// Seed.
     pub seed: u64,
-    /// Photon paths of a pass; 0 where there are none.
+    /// Photon paths of a pass of the first round; 0 where there are none.
     pub photons_per_pass: u64,
+    /// Most photon paths of a pass of any round; 0 where there are none.
+    pub most_photons: u64,
     /// Kernel radius of the first round in pixel footprints.
     pub radius: f64,
     /// The points at which photons and camera look.
     pub sampler: Sampler,
     /// The area over which a photon's light is spread.
     pub kernel: Kernel,
+    /// What decides where photons and shadow rays go.
+    pub guidance: Guidance,
     /// What was said about effects.
     pub effects_wanted: String,
     /// Names of the effects that are simulated; none for a reference method.
@@ -89,6 +93,7 @@ impl Subject {
         };
         Self {
             photons_per_pass: renderer.photons(),
+            most_photons: renderer.most_photons(),
             effects: judge(scene, &job.settings)
                 .iter()
                 .filter(|verdict| verdict.on)
@@ -113,6 +118,7 @@ impl Subject {
             radius,
             sampler,
             kernel,
+            guidance,
             indirect,
             effects,
             max_depth,
@@ -127,9 +133,11 @@ impl Subject {
             window: job.window(),
             seed,
             photons_per_pass: 0,
+            most_photons: 0,
             radius,
             sampler,
             kernel,
+            guidance,
             effects_wanted: effects.to_string(),
             effects: Vec::new(),
             indirect_wanted: indirect,
@@ -180,6 +188,10 @@ impl Subject {
                 let what = "the number of photons in a pass";
                 pair(what, &self.photons_per_pass, &wanted.photons_per_pass)
             })
+            .or_else(|| {
+                let what = "the largest number of photons in a pass";
+                pair(what, &self.most_photons, &wanted.most_photons)
+            })
             .or_else(|| pair("the radius", &self.radius, &wanted.radius))
             .or_else(|| {
                 let [there, here] = [self.sampler, wanted.sampler].map(|s| format!("{s:?}"));
@@ -188,6 +200,10 @@ impl Subject {
             .or_else(|| {
                 let [there, here] = [self.kernel, wanted.kernel].map(|k| format!("{k:?}"));
                 pair("the kernel", &there, &here)
+            })
+            .or_else(|| {
+                let [there, here] = [self.guidance, wanted.guidance].map(|g| format!("{g:?}"));
+                pair("the guidance", &there, &here)
             })
             .or_else(|| {
                 let [there, here] = [self.indirect_wanted, wanted.indirect_wanted];
@@ -255,9 +271,11 @@ mod tests {
             window: [0, 0, 8, 6],
             seed: 1,
             photons_per_pass: 9,
+            most_photons: 99,
             radius: 2.0,
             sampler: Sampler::Sobol,
             kernel: Kernel::Footprint,
+            guidance: Guidance::Learned,
             effects_wanted: "auto".to_owned(),
             effects: vec!["caustics".to_owned()],
             indirect_wanted: true,
@@ -284,7 +302,7 @@ mod tests {
     #[test]
     fn every_difference_is_named() {
         type Change = fn(&mut Subject);
-        let changes: [(Change, &str); 19] = [
+        let changes: [(Change, &str); 21] = [
             (
                 |s| s.version.push('2'),
                 "version of nephroid is 1 there and 12 here",
@@ -317,12 +335,20 @@ mod tests {
                 |s| s.photons_per_pass = 10,
                 "photons in a pass is 9 there and 10 here",
             ),
+            (
+                |s| s.most_photons = 98,
+                "largest number of photons in a pass is 99 there and 98 here",
+            ),
             (|s| s.radius = 2.5, "radius is 2 there and 2.5 here"),
             (
                 |s| s.sampler = Sampler::Independent,
                 "sampler is Sobol there",
             ),
             (|s| s.kernel = Kernel::Circle, "kernel is Footprint there"),
+            (
+                |s| s.guidance = Guidance::Power,
+                "guidance is Learned there and Power here",
+            ),
             (
                 |s| s.indirect_wanted = false,
                 "`indirect` is true there and false here",

@@ -42,7 +42,7 @@ pub use effect::{Choice, Choices, Effect, Switch};
 pub use input::{Digest, Input, Inputs, fingerprint};
 pub use load::{MAX_SCENE_BYTES, load, load_str, load_watched};
 pub use scene::{NamedLight, Object, Scene};
-pub use settings::{Kernel, Sampler, Settings};
+pub use settings::{Guidance, Kernel, Sampler, Settings};
 pub use summary::{MeshSummary, Summary};
 
 /// Largest length and coordinate in a scene, in metres: far enough for a sun,

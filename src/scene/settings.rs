@@ -29,6 +29,20 @@ pub enum Kernel {
     Circle,
 }
 
+/// What decides where photons and shadow rays go: what is learned from pilots
+/// can be seen by doing without.
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize, PartialEq, Eq)]
+#[serde(rename = "guidance")]
+pub enum Guidance {
+    /// Pilots find out what the picture needs.
+    #[default]
+    Learned,
+    /// Power alone: photons in proportion to the power that a light sends
+    /// towards each caster, spread evenly over what may reach it; shadow rays
+    /// by the power of the lights.
+    Power,
+}
+
 /// Settings of a render. Every one has a default that needs no thought; the
 /// command line may override each.
 #[derive(Clone, Debug, PartialEq)]
@@ -45,6 +59,8 @@ pub struct Settings {
     pub sampler: Sampler,
     /// The area over which a photon's light is spread.
     pub kernel: Kernel,
+    /// What decides where photons and shadow rays go.
+    pub guidance: Guidance,
     /// Whether light between diffuse surfaces is simulated.
     pub indirect: bool,
     /// What the user says about effects; see [`Settings::choice`].
@@ -68,6 +84,7 @@ impl Default for Settings {
             radius: 2.0,
             sampler: Sampler::default(),
             kernel: Kernel::default(),
+            guidance: Guidance::default(),
             indirect: true,
             effects: Choices::default(),
             max_depth: 64,

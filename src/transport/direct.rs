@@ -49,10 +49,16 @@ impl DiffusePoint {
     }
 }
 
+/// Parts of all picks that go to lights by power and in equal numbers, whatever
+/// a pilot says: what it has not seen must not be seen with a weight of
+/// thousands.
+const BY_POWER: f64 = 0.1;
+const EVENLY: f64 = 0.1;
+
 /// How to divide shadow rays among many lights.
 #[derive(Clone, Debug)]
 pub struct LightPicker {
-    by_power: Option<Discrete>,
+    table: Option<Discrete>,
 }
 
 impl LightPicker {
@@ -73,19 +79,49 @@ impl LightPicker {
             })
             .collect();
         Self {
-            by_power: Discrete::new(&weights),
+            table: Discrete::new(&weights),
         }
     }
 
-    /// The lights by their power; `None` if none has any.
+    /// The same with what a pilot says of each light, in any unit: lights are
+    /// picked in proportion to it, but for a tenth by power and a tenth in
+    /// equal numbers. Scores that are all zero, or not finite, change nothing.
+    #[must_use]
+    pub fn guided(&self, scores: &[f64]) -> Self {
+        let total: f64 = scores.iter().sum();
+        let Some(power) = self
+            .table
+            .as_ref()
+            .filter(|_| total > 0.0 && total.is_finite())
+        else {
+            return self.clone();
+        };
+        let even = 1.0 / scores.len() as f64;
+        let weight = |(i, score): (usize, &f64)| {
+            let seen = (1.0 - BY_POWER - EVENLY) * score / total;
+            // A light without power needs no rays.
+            let evenly = if power.probability(i) > 0.0 {
+                EVENLY * even
+            } else {
+                0.0
+            };
+            seen + BY_POWER * power.probability(i) + evenly
+        };
+        let weights: Vec<f64> = scores.iter().enumerate().map(weight).collect();
+        Self {
+            table: Discrete::new(&weights),
+        }
+    }
+
+    /// The chances of the lights; `None` if none has any power.
     pub fn table(&self) -> Option<&Discrete> {
-        self.by_power.as_ref()
+        self.table.as_ref()
     }
 }
 
 /// Reflected radiance of the light that arrives straight from the sources,
 /// with about `rays` shadow rays, at least one: they are shared among the
-/// lights where there are few, and go to lights picked by power where there
+/// lights where there are few, and go to lights that the picker picks where there
 /// are many. Lights without extent need only one ray each.
 pub fn direct_light(ctx: &Context<'_>, at: &DiffusePoint, stream: &mut Stream, rays: u32) -> Rgb {
     let mut sum = Rgb::BLACK;
@@ -131,7 +167,7 @@ fn each_light(
             }
             add(i, one / f64::from(count), count);
         }
-    } else if let Some(table) = &ctx.picker.by_power {
+    } else if let Some(table) = &ctx.picker.table {
         let u = stream.next_1d();
         for k in 0..rays {
             // One stratum of the table for each ray.
@@ -142,8 +178,9 @@ fn each_light(
     }
 }
 
-/// Reflected radiance of one source.
-fn from_light(ctx: &Context<'_>, at: &DiffusePoint, index: usize, u: [f64; 2]) -> Rgb {
+/// Reflected radiance of one source, by one shadow ray to the point of it that
+/// `u` stands for.
+pub fn from_light(ctx: &Context<'_>, at: &DiffusePoint, index: usize, u: [f64; 2]) -> Rgb {
     let light = &ctx.scene.lights[index];
     let Some(sample) = light.light.sample_direct(at.point.p, u) else {
         return Rgb::BLACK;
@@ -157,4 +194,31 @@ fn from_light(ctx: &Context<'_>, at: &DiffusePoint, index: usize, u: [f64; 2]) -
         return Rgb::BLACK;
     }
     radiance * shadow::transmittance(ctx, &at.point, &at.media, &sample, light.instance)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Of lights with powers 1, 3, 0: scores 0, 2, 0 leave 0.1 by power and 0.1
+    /// evenly, and nothing to the dark one; no scores change nothing.
+    #[test]
+    fn guided_picks_keep_their_floors() {
+        let picker = LightPicker {
+            table: Discrete::new(&[1.0, 3.0, 0.0]),
+        };
+        let chances = |picker: &LightPicker| -> Vec<f64> {
+            let table = picker.table().expect("powers");
+            (0..3).map(|i| table.probability(i)).collect()
+        };
+        let found = chances(&picker.guided(&[0.0, 2.0, 0.0]));
+        let parts = [0.1 * 0.25 + 0.1 / 3.0, 0.8 + 0.1 * 0.75 + 0.1 / 3.0, 0.0];
+        let sum: f64 = parts.iter().sum();
+        for (chance, part) in found.iter().zip(parts) {
+            assert!((chance - part / sum).abs() < 1e-12, "{found:?}");
+        }
+        for nothing in [[0.0; 3], [f64::NAN; 3], [f64::INFINITY; 3]] {
+            assert_eq!(chances(&picker.guided(&nothing)), [0.25, 0.75, 0.0]);
+        }
+    }
 }

@@ -23,7 +23,7 @@ pub mod specular;
 pub mod walk;
 
 pub use differential::{Bend, Differential, Pair};
-pub use direct::{DiffusePoint, LightPicker, direct_by_extent, direct_light};
+pub use direct::{DiffusePoint, LightPicker, direct_by_extent, direct_light, from_light};
 pub(crate) use meet::meet_in;
 pub use meet::{Met, media_beside, meet};
 pub use shadow::transmittance;

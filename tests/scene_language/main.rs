@@ -11,7 +11,7 @@ use nephroid::{
     geometry::Transform,
     light::Light,
     material::Material,
-    scene::{Choice, Choices, Effect, Kernel, Sampler, Scene, Settings, load, load_str},
+    scene::{Choice, Choices, Effect, Guidance, Kernel, Sampler, Scene, Settings, load, load_str},
     spectrum::Rgb,
 };
 
@@ -84,6 +84,7 @@ fn the_documentation_names_every_setting_with_its_default() {
         radius,
         sampler,
         kernel,
+        guidance,
         indirect,
         effects,
         max_depth,
@@ -98,6 +99,7 @@ fn the_documentation_names_every_setting_with_its_default() {
         ("radius", radius.to_string()),
         ("sampler", format!("`{sampler:?}`")),
         ("kernel", format!("`{kernel:?}`")),
+        ("guidance", format!("`{guidance:?}`")),
         ("indirect", format!("`{indirect}`")),
         ("max_depth", max_depth.to_string()),
         ("memory", format!("`\"{} GiB\"`", memory >> 30)),
@@ -346,7 +348,7 @@ fn settings_come_from_render_and_image() {
         "Scene(camera: (eye: (0, -5, 3), look_at: (0, 0, 0), height: 2),
           image: (width: 64, height: 32, exposure: -0.5),
           render: (passes: 16, seed: 18446744073709551615, photons: 1_000_000, radius: 1.5,
-                   sampler: Independent, kernel: Circle, indirect: false, max_depth: 9, memory: \"2 MiB\"))",
+                   sampler: Independent, kernel: Circle, guidance: Power, indirect: false, max_depth: 9, memory: \"2 MiB\"))",
     );
     let expected = Settings {
         passes: 16,
@@ -355,6 +357,7 @@ fn settings_come_from_render_and_image() {
         radius: 1.5,
         sampler: Sampler::Independent,
         kernel: Kernel::Circle,
+        guidance: Guidance::Power,
         indirect: false,
         effects: Choices::default(),
         max_depth: 9,

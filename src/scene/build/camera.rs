@@ -191,6 +191,7 @@ impl Builder<'_> {
         settings.seed = value.seed.unwrap_or(settings.seed);
         settings.sampler = value.sampler;
         settings.kernel = value.kernel;
+        settings.guidance = value.guidance;
         settings.indirect = value.indirect.unwrap_or(settings.indirect);
         if let Some(radius) = value.radius {
             if (1e-3..=1e3).contains(&radius.0) {

@@ -19,7 +19,7 @@ mod value;
 use serde::Deserialize;
 
 pub use super::effect::EffectsDescription;
-use super::{Kernel, Sampler, outline::NodeId};
+use super::{Guidance, Kernel, Sampler, outline::NodeId};
 
 pub use curved::{
     BoxShape, ConeShape, EllipsoidShape, HyperboloidShape, ParaboloidShape, QuadricShape,
@@ -195,6 +195,9 @@ pub struct RenderDescription {
     /// The area over which a photon's light is spread.
     #[serde(default)]
     pub kernel: Kernel,
+    /// What decides where photons and shadow rays go.
+    #[serde(default)]
+    pub guidance: Guidance,
     /// Whether light between diffuse surfaces is simulated.
     pub indirect: Option<bool>,
     /// What the user says about effects.

@@ -1,0 +1,132 @@
+//! Which lights matter to the picture: a pilot for the shadow rays that cannot
+//! go to all of them.
+//!
+//! With light `i` picked by chance `p_i`, a point of the picture to which it
+//! sends `c_i` is left with a variance of the sum of `c_i^2 / p_i`, less what does
+//! not depend on the chances. Summed over the picture, each point weighed by how
+//! its error is seen (`1 / (L^2 + 0.01 mean(L)^2)`, see `importance`), that is
+//! least for `p_i` in proportion to the root of the weighed sum of `c_i^2`.
+
+use rayon::prelude::*;
+
+use crate::{
+    material::Material,
+    numeric::Frame,
+    sampling::{Purpose, Sequence, Stream, warp},
+    transport::{Context, DiffusePoint, End, LightPicker, Walker, from_light},
+};
+
+use super::{Renderer, camera_walk::MOST_SHADOW_RAYS, coordinates};
+
+/// Shadow rays of the pilot, about, and bounds on its camera paths.
+const RAYS: u64 = 1 << 15;
+const PATHS: [u64; 2] = [64, 1024];
+
+/// Number of its sequence among those of pilots.
+const SEQUENCE: u32 = 9;
+
+/// What each light sends to the first two diffuse points of a camera path.
+type Sent = [Vec<f64>; 2];
+
+impl Renderer<'_> {
+    /// The picker that leaves the least variance, as far as a pilot can tell;
+    /// as it is where there is nothing to pick.
+    pub(super) fn picker_by_need(&self) -> LightPicker {
+        let ctx = self.called_for();
+        let lights = ctx.scene.lights.len();
+        // A ray for each light where the eye looks, one for all beyond.
+        if lights < 2 || (lights <= MOST_SHADOW_RAYS && !ctx.plan.indirect) {
+            return ctx.picker.clone();
+        }
+        let [least, most] = PATHS;
+        let paths = (RAYS / lights as u64).clamp(least, most);
+        let sequence = Sequence::new(self.settings.seed, Purpose::Pilot, SEQUENCE, 0);
+        let [width, height] = self.resolution.map(f64::from);
+        let sent: Vec<Sent> = (0..paths)
+            .into_par_iter()
+            .map(|i| {
+                let stream = sequence.at(i);
+                let [u, v] = coordinates::film(&stream);
+                let ray = self.camera.ray(glam::DVec2::new(u * width, v * height));
+                let mut rest = coordinates::coins(&stream);
+                follow(&ctx, Walker::from_camera(&ctx, ray), &mut rest)
+            })
+            .collect();
+        ctx.picker.guided(&scores(&sent, lights))
+    }
+}
+
+/// Follows a camera path to two diffuse points and asks all lights there.
+fn follow(ctx: &Context<'_>, mut path: Walker, stream: &mut Stream) -> Sent {
+    let mut sent = Sent::default();
+    for found in &mut sent {
+        let End::Surface {
+            point,
+            material: Material::Diffuse { reflectance },
+        } = path.walk(ctx, stream, &mut |_| false)
+        else {
+            break;
+        };
+        let at = DiffusePoint::new(point, path.ray.dir, reflectance, path.media);
+        *found = (0..ctx.scene.lights.len())
+            .map(|i| (path.throughput * from_light(ctx, &at, i, stream.next_2d())).mean())
+            .collect();
+        let local = warp::cosine_hemisphere(stream.next_2d());
+        let dir = Frame::around(at.ns).to_world(local).normalize();
+        if !ctx.plan.indirect || dir.dot(at.ng) <= 0.0 {
+            break;
+        }
+        path.throughput *= reflectance;
+        path.ray = point.spawn(dir);
+    }
+    sent
+}
+
+/// The root of each light's weighed sum of squares.
+fn scores(sent: &[Sent], lights: usize) -> Vec<f64> {
+    let light = |s: &Sent| -> f64 {
+        let all = s.iter().flatten();
+        all.filter(|c| c.is_finite()).sum()
+    };
+    let mean = sent.iter().map(light).sum::<f64>() / sent.len().max(1) as f64;
+    let mut squares = vec![0.0; lights];
+    for s in sent {
+        let own = light(s);
+        let seen = own * own + 0.01 * mean * mean;
+        for found in s {
+            for (square, c) in squares.iter_mut().zip(found) {
+                if *c > 0.0 && c.is_finite() {
+                    *square += c * c / seen;
+                }
+            }
+        }
+    }
+    squares.into_iter().map(f64::sqrt).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Two points of the picture, one lit by 3 and 1, one by 4 of the second
+    /// light alone and, after a bounce, by 2 of the first: means 4 and 6, floor
+    /// 0.25.
+    #[test]
+    fn scores_are_roots_of_weighed_squares() {
+        let sent = [
+            [vec![3.0, 1.0], vec![]],
+            [vec![0.0, 4.0], vec![2.0, f64::NAN]],
+        ];
+        // What is not finite counts as nothing.
+        let finite = [sent[0].clone(), [vec![0.0, 4.0], vec![2.0, 0.0]]];
+        let first = 9.0 / 16.25 + 4.0 / 36.25;
+        let second = 1.0 / 16.25 + 16.0 / 36.25;
+        for sent in [&sent, &finite] {
+            let found = scores(sent, 2);
+            for (score, square) in found.iter().zip([first, second]) {
+                assert!((score - f64::sqrt(square)).abs() < 1e-12, "{found:?}");
+            }
+        }
+        assert_eq!(scores(&[[vec![], vec![]], [vec![], vec![]]], 3), [0.0; 3]);
+    }
+}
