@@ -92,7 +92,8 @@ impl Way {
                 point,
                 material,
             } = meet_in::<NESTED>(ctx, &ray, f64::INFINITY, &mut media)?;
-            if hit.surface.instance != turned.instance {
+            // Where bodies touch, either surface may be the one that is met.
+            if !NESTED && hit.surface.instance != turned.instance {
                 return None;
             }
             let coin = if turned.kind == Kind::Mirror {

@@ -108,13 +108,19 @@ impl Class {
     /// Sorts photons into classes. Their footprints are multiplied by
     /// `shrink`.
     pub(super) fn sort(photons: &[&Photon], rotation: DMat3, shrink: f64) -> Vec<Self> {
-        // By the exponent of the reach; without a footprint below all others.
+        let reach_of = |photon: &Photon| {
+            photon.footprint.map(|f| {
+                let (major, minor) = f.kernel(shrink);
+                reach(major, minor, MOST_SPANS)
+            })
+        };
+        // By the exponent of the reach over the largest, so that the work is the
+        // same at any scale; without a footprint below all others.
+        let largest = photons.iter().filter_map(|p| reach_of(p));
+        let largest = largest.fold(f64::MIN_POSITIVE, f64::max);
         let mut by_size: Vec<(i32, Vec<&Photon>)> = Vec::new();
         for photon in photons {
-            let key = photon.footprint.map_or(i32::MIN, |f| {
-                let (major, minor) = f.kernel(shrink);
-                exponent(reach(major, minor, MOST_SPANS))
-            });
+            let key = reach_of(photon).map_or(i32::MIN, |reach| exponent(reach / largest));
             match by_size.binary_search_by_key(&key, |c| c.0) {
                 Ok(i) => by_size[i].1.push(photon),
                 Err(i) => by_size.insert(i, (key, vec![photon])),
