@@ -82,7 +82,6 @@ fn photons_see_the_fold_ahead() {
             let seen = (photon.position - lit * f.fold).truncate().length();
             right += u32::from((seen - radius).abs() < 0.1 * before + 1e-6);
         }
-        println!("{name}: fold at {radius}, {right} of {near}");
         assert!(near > 500, "{name}: only {near} photons near the fold");
         assert!(
             f64::from(right) > 0.9 * f64::from(near),

@@ -16,7 +16,7 @@ use crate::{
     numeric::{Frame, VectorPair},
     sampling::{Stream, warp},
     spectrum::Rgb,
-    transport::{Carried, Context, Lobe, Met, Ways, media_beside, meet_in},
+    transport::{Carried, Context, Differential, Lobe, Met, Ways, media_beside, meet_in},
 };
 
 use super::{Emission, Footprint, LightTally, companion::Way, emit};
@@ -69,6 +69,17 @@ pub enum Turn {
     Bent,
     /// A surface that is not specular ends its way, or a leg of it.
     Ended,
+}
+
+impl Turn {
+    /// What a specular surface does that sends a photon along a lobe.
+    fn along(lobe: &Lobe) -> Self {
+        if lobe.is_bent() {
+            Self::Bent
+        } else {
+            Self::Straight
+        }
+    }
 }
 
 /// Follows a photon, one of `paths`; what becomes of its flux goes into
@@ -151,14 +162,8 @@ fn trace_in<const NESTED: bool>(
             let lobe = ways.choose(ray.dir, Carried::Flux, || stream.next_1d());
             flux = scatter(flux, &lobe, tally);
             bent |= lobe.is_bent();
-            watch(Step {
-                turn: if lobe.is_bent() {
-                    Turn::Bent
-                } else {
-                    Turn::Straight
-                },
-                ..step
-            });
+            let turn = Turn::along(&lobe);
+            watch(Step { turn, ..step });
             differential.chance *= lobe.share;
             way.push(hit.surface.instance, &lobe.bend);
             if lobe.is_bent() {
@@ -175,16 +180,8 @@ fn trace_in<const NESTED: bool>(
             else {
                 return;
             };
-            let patch = Footprint::with_rim(&differential, paths, landed.normal);
-            let footprint = patch.map(|(mut footprint, rim)| {
-                if let (false, Some(rim)) = (bounced, rim) {
-                    if let Some(p) = way.follow::<NESTED>(ctx, emission, &rim, hit.surface.instance)
-                    {
-                        footprint.learn(&rim, p - landed.position - rim.way);
-                    }
-                }
-                footprint
-            });
+            let fold = (!bounced).then_some((&way, emission, hit.surface.instance));
+            let footprint = patch::<NESTED>(ctx, &differential, paths, &landed, fold);
             store(Photon {
                 footprint,
                 bounced,
@@ -224,6 +221,25 @@ fn trace_in<const NESTED: bool>(
     }
     tally.truncated += flux.mean();
     tally.truncated_paths += 1;
+}
+
+/// The patch that a photon stands for, by its derivatives; with a fold ahead if
+/// the photon's way, its start and the object on which it landed are given.
+#[inline]
+fn patch<const NESTED: bool>(
+    ctx: &Context<'_>,
+    differential: &Differential,
+    paths: f64,
+    landed: &Photon,
+    fold: Option<(&Way, &Emission, u32)>,
+) -> Option<Footprint> {
+    let (mut footprint, rim) = Footprint::with_rim(differential, paths, landed.normal)?;
+    if let (Some(rim), Some((way, emission, last))) = (rim, fold)
+        && let Some(p) = way.follow::<NESTED>(ctx, emission, &rim, last)
+    {
+        footprint.learn(&rim, p - landed.position - rim.way);
+    }
+    Some(footprint)
 }
 
 /// Derivatives of a cosine-distributed direction by a square of the same area
