@@ -1,9 +1,11 @@
 //! `nephroid check`: reads a scene as `render` would and says what it found.
 
+use std::path::Path;
+
 use nephroid::{
     geometry::mesh::Edges,
     render::Job,
-    scene::{Diagnostic, Diagnostics, MeshSummary, Place, Summary},
+    scene::{Diagnostic, Diagnostics, MeshSummary, Place, Scene, Summary},
 };
 use serde_json::{Value, json};
 
@@ -13,32 +15,26 @@ use super::{Exit, Failure, args::CheckArgs, deliver, media::Media, progress, tel
 /// asked for as JSON, to standard error.
 pub(super) fn run(typed: &CheckArgs) -> Result<Exit, Failure> {
     let name = typed.scene.display().to_string();
-    match progress::load(&typed.scene, typed.json) {
-        Ok(scene) => {
-            Job::of(&scene).check().map_err(Failure::bad_input)?;
-            let summary = Summary::of(&scene);
-            let media = Media::of(&scene);
-            for warning in &media.warnings {
-                tell(format_args!("warning: {warning}"));
-            }
-            deliver(if typed.json {
-                in_order(&name, &summary, &media, scene.settings.passes).to_string()
-            } else {
-                let mut lines = format!("{name} is in order\n{summary}");
-                for place in &media.inside {
-                    lines += &format!("\nmedia      {place}");
-                }
-                lines
-            })
-            .map_err(Failure::fault)?;
-            Ok(Exit::Done)
-        }
-        Err(mistakes) if typed.json => {
-            deliver(not_in_order(&name, &mistakes)).map_err(Failure::fault)?;
-            Ok(Exit::BadInput)
-        }
-        Err(mistakes) => Err(Failure::scene(&mistakes)),
+    let Some(scene) = scene_in_order(&typed.scene, typed.json, typed.json)? else {
+        return Ok(Exit::BadInput);
+    };
+    Job::of(&scene).check().map_err(Failure::bad_input)?;
+    let summary = Summary::of(&scene);
+    let media = Media::of(&scene);
+    for warning in &media.warnings {
+        tell(format_args!("warning: {warning}"));
     }
+    deliver(if typed.json {
+        in_order(&name, &summary, &media, scene.settings.passes).to_string()
+    } else {
+        let mut lines = format!("{name} is in order\n{summary}");
+        for place in &media.inside {
+            lines += &format!("\nmedia      {place}");
+        }
+        lines
+    })
+    .map_err(Failure::fault)?;
+    Ok(Exit::Done)
 }
 
 fn in_order(scene: &str, summary: &Summary, media: &Media, passes: u32) -> Value {
@@ -79,7 +75,25 @@ fn mesh(found: &MeshSummary) -> Value {
     })
 }
 
-pub(super) fn not_in_order(scene: &str, mistakes: &Diagnostics) -> Value {
+/// The scene that a command looks at; `None` if it is not in order and standard
+/// output has been told so as JSON.
+pub(super) fn scene_in_order(
+    path: &Path,
+    quiet: bool,
+    json: bool,
+) -> Result<Option<Scene>, Failure> {
+    match progress::load(path, quiet) {
+        Ok(scene) => Ok(Some(scene)),
+        Err(mistakes) if json => {
+            let verdict = not_in_order(&path.display().to_string(), &mistakes);
+            deliver(verdict).map_err(Failure::fault)?;
+            Ok(None)
+        }
+        Err(mistakes) => Err(Failure::scene(&mistakes)),
+    }
+}
+
+fn not_in_order(scene: &str, mistakes: &Diagnostics) -> Value {
     json!({
         "scene": scene,
         "ok": false,

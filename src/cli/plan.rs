@@ -7,20 +7,14 @@ use nephroid::{
 use serde_json::json;
 
 use super::{
-    Exit, Failure, args::PlanArgs, check, deliver, effects::EffectChoice, media::Media, progress,
-    tell,
+    Exit, Failure, args::PlanArgs, check, deliver, effects::EffectChoice, media::Media, tell,
 };
 
 /// Surveys the scene and prints what was found, on standard output.
 pub(super) fn run(typed: &PlanArgs) -> Result<Exit, Failure> {
     let name = typed.scene.display().to_string();
-    let scene = match progress::load(&typed.scene, typed.json) {
-        Ok(scene) => scene,
-        Err(mistakes) if typed.json => {
-            deliver(check::not_in_order(&name, &mistakes)).map_err(Failure::fault)?;
-            return Ok(Exit::BadInput);
-        }
-        Err(mistakes) => return Err(Failure::scene(&mistakes)),
+    let Some(scene) = check::scene_in_order(&typed.scene, typed.json, typed.json)? else {
+        return Ok(Exit::BadInput);
     };
     let mut job = Job::of(&scene);
     job.resolution = typed.resolution.unwrap_or(scene.resolution);

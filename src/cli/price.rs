@@ -16,7 +16,7 @@ use super::{
     effects::EffectChoice,
     media::Media,
     outlook,
-    progress::{self, Goal, Reporter, clock},
+    progress::{Goal, Reporter, clock},
     tell, use_threads,
 };
 
@@ -40,13 +40,8 @@ pub(super) fn run(typed: &PriceArgs) -> Result<Exit, Failure> {
     use_threads(typed.threads)?;
     let name = typed.scene.display().to_string();
     let quiet = typed.quiet || typed.json;
-    let scene = match progress::load(&typed.scene, quiet) {
-        Ok(scene) => scene,
-        Err(mistakes) if typed.json => {
-            deliver(check::not_in_order(&name, &mistakes)).map_err(Failure::fault)?;
-            return Ok(Exit::BadInput);
-        }
-        Err(mistakes) => return Err(Failure::scene(&mistakes)),
+    let Some(scene) = check::scene_in_order(&typed.scene, quiet, typed.json)? else {
+        return Ok(Exit::BadInput);
     };
     let mut job = Job::of(&scene);
     job.resolution = typed.resolution.unwrap_or(scene.resolution);

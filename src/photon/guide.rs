@@ -28,10 +28,11 @@ const BY_POWER: f64 = 0.1;
 
 /// Mean square of the scores over the square of their mean, from which on it
 /// is worth while to teach: the most by which the variance can fall. With less
-/// to gain, the evenness of paths that nobody guided is worth more. That holds
-/// for passes of so many paths and more; with fewer, guides have few cells and
-/// have to promise as much more.
+/// to gain, the evenness of paths that nobody guided is worth more.
 const WORTH_IT: f64 = 2.0;
+
+/// Paths of a pass for which that holds; with fewer, guides have few cells and
+/// have to promise as much more.
 const MANY: f64 = 12_800.0;
 
 /// Paths of a pass for each cell of a guide: kernels change their size from
