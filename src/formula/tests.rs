@@ -126,6 +126,27 @@ fn difference(f: impl Fn(DVec3) -> f64, p: DVec3, axis: usize) -> (f64, f64) {
     (near, (near - far).abs())
 }
 
+/// Whether a range over a box holds that of one of its points. A point's own
+/// rounding may reach beyond, by its width: nought times what may be infinite
+/// is nought, but a product of finite numbers is rounded outward.
+fn holds(wide: Interval, at: Interval) -> bool {
+    let slack = at.width();
+    wide.intersection(at) == at
+        || (slack.is_finite() && wide.lo() <= at.lo() + slack && at.hi() - slack <= wide.hi())
+}
+
+/// A factor of nought beside one without a bound.
+#[test]
+fn nought_times_a_pole_is_nought() {
+    let f = Formula::parse("abs(y - y)^0.3 * (0.1 / (z + x))").unwrap();
+    let region = [0.0, 0.3, 1.3].map(|size| Interval::new(0.0, size));
+    let wide = f.range(region);
+    let at = f.range([0.0, 0.0, 0.6].map(Interval::point));
+    assert!(!wide.continuous && at.continuous);
+    assert!(wide.range.contains(0.0) && at.range.contains(0.0));
+    assert!(holds(wide.range, at.range), "{wide:?} {at:?}");
+}
+
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(1500))]
 
@@ -153,7 +174,7 @@ proptest! {
         let (wide, slopes) = f.gradient_range(region);
         let (value, gradient) = f.gradient(q);
         let at = f.range(q.to_array().map(Interval::point));
-        prop_assert_eq!(wide.range.intersection(at.range), at.range, "{} at {}", t.text(), q);
+        prop_assert!(holds(wide.range, at.range), "{} at {}", t.text(), q);
         let narrow = f.narrow_range(region);
         // What holds the truth in both ways has it in common.
         prop_assert!(at.range.is_empty() || !narrow.range.intersection(at.range).is_empty(), "{} at {}", t.text(), q);
