@@ -101,6 +101,11 @@ impl Aabb {
         }
     }
 
+    /// True if the boxes have a point in common.
+    pub fn overlaps(&self, other: &Self) -> bool {
+        self.min.cmple(other.max).all() && other.min.cmple(self.max).all()
+    }
+
     /// True if the point lies inside or on the box.
     pub fn contains(&self, point: DVec3) -> bool {
         self.min.cmple(point).all() && point.cmple(self.max).all()

@@ -13,7 +13,8 @@ use super::{
     Aabb, BoundingSphere, Transform, Turning,
     bvh::Bvh,
     shape::{
-        Place, ShapeHit, ShapePoint, ShearedRay, Surface, point_at, sound_normal, triangle_normal,
+        Pieces, Place, ShapeHit, ShapePoint, ShearedRay, Surface, point_at, sound_normal,
+        triangle_normal,
     },
     transform::unit,
     turning::outer,
@@ -125,6 +126,11 @@ impl TriangleMesh {
                 .count()
         };
         self.triangles.iter().map(wrong).sum()
+    }
+
+    /// The corners of every triangle.
+    pub(super) fn all_corners(&self) -> impl Iterator<Item = [DVec3; 3]> + '_ {
+        self.triangles.iter().map(|t| self.corners(t))
     }
 
     #[inline]
@@ -364,6 +370,27 @@ impl Surface for TriangleMesh {
         let parts = [0.25, 0.0625, 0.015_625].map(|part| part * within);
         let clear = |reach: &f64| !self.bvh.near(p, *reach, |_| true);
         parts.into_iter().find(clear).unwrap_or(0.0)
+    }
+
+    /// Triangle by triangle: its plane and its box.
+    fn may_meet(&self, region: &Aabb) -> bool {
+        let (center, half) = (region.center(), region.half_diagonal());
+        let meets = |triangle: &[u32; 3]| {
+            let v = self.corners(triangle);
+            let (e, f) = (v[1] - v[0], v[2] - v[0]);
+            let normal = e.cross(f);
+            let beside = (center - v[0]).dot(normal).abs();
+            let rounding = gamma(16) * (center.abs() + v[0].abs()).element_sum();
+            let most = half.dot(normal.abs()) + rounding * e.length() * f.length();
+            beside <= most && Aabb::around(v).overlaps(region)
+        };
+        self.bvh.near(center, half.length(), |slots| {
+            self.triangles[slots].iter().any(meets)
+        })
+    }
+
+    fn pieces(&self) -> Pieces {
+        Pieces::FLAT
     }
 }
 

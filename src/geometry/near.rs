@@ -6,7 +6,7 @@
 
 use glam::DVec3;
 
-use super::{Hit, Instance, Ray, Surface, SurfaceId, World};
+use super::{Aabb, Hit, Instance, Ray, Shape, Surface, SurfaceId, World};
 
 impl World {
     /// The instances that `counts` names whose surface may come within
@@ -98,6 +98,26 @@ impl World {
 }
 
 impl Instance {
+    /// Whether the surface may come into a region of the world; errs on the side
+    /// of yes.
+    pub fn may_meet(&self, region: &Aabb) -> bool {
+        match &self.transform {
+            None => self.shape.may_meet(region),
+            Some(m) => self.shape.may_meet(&m.inverse_bounds(region)),
+        }
+    }
+
+    /// Whether a piece of the surface, more than an edge, may lie wholly between
+    /// two coordinates of the world; errs on the side of yes.
+    pub fn may_lie_between(&self, axis: usize, [low, high]: [f64; 2]) -> bool {
+        let Shape::Mesh(mesh) = &self.shape else {
+            return true;
+        };
+        let at = |p: DVec3| self.transform.as_ref().map_or(p, |m| m.point(p))[axis];
+        mesh.all_corners()
+            .any(|v| v.into_iter().all(|p| (low..=high).contains(&at(p))))
+    }
+
     /// A lower bound of the distance from `p` to the surface, in metres;
     /// exact enough only below `within`.
     pub(super) fn distance_bound(&self, p: DVec3, within: f64) -> f64 {
@@ -123,7 +143,7 @@ mod tests {
     use crate::{
         formula::Formula,
         geometry::{
-            Aabb, Ray, Shape, Transform, TriangleMesh,
+            Transform, TriangleMesh,
             shape::{
                 Body, Conic, Cuboid, Cylinder, Disc, Ellipsoid, Implicit, Plane, Quad, Quadric,
                 RootFinder, Solid, Sphere, Torus, Triangle,

@@ -164,6 +164,15 @@ impl Transform {
         world.padded(self.point_error(b.min.abs().max(b.max.abs()), 0.0))
     }
 
+    /// A box around what is sent into a box.
+    pub fn inverse_bounds(&self, b: &Aabb) -> Aabb {
+        let own = Aabb::around(b.corners().map(|c| self.inverse_point(c)));
+        // What `inverse_point` rounds, seen from the world, is a rounding of the
+        // world's coordinates and of the shift.
+        let far = b.max_abs() + self.point(DVec3::ZERO).abs().max_element();
+        own.padded(gamma(16) * (own.max_abs() + far * self.inverse_stretch()))
+    }
+
     /// A sphere around the image of a sphere.
     pub fn sphere(&self, s: &BoundingSphere) -> BoundingSphere {
         BoundingSphere {

@@ -66,6 +66,11 @@ impl Material {
         matches!(self, Self::Diffuse { .. })
     }
 
+    /// Whether no light passes.
+    pub fn is_opaque(&self) -> bool {
+        !matches!(self, Self::Dielectric { .. })
+    }
+
     /// Whether light passes in a straight line, so that shadow rays do too:
     /// a thin pane, or an interface with equal indices on both sides. Of a
     /// body this holds as long as it touches no other one.

@@ -9,7 +9,7 @@ use crate::{
     scene::{Choice, Effect, NamedLight, Object, Scene, Settings},
 };
 
-use super::{Nest, extent, reach::Reach};
+use super::{Nest, contact::first_contact, extent, reach::Reach};
 
 /// Who has decided.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -95,12 +95,13 @@ fn proof(effect: Effect, scene: &Scene) -> Result<String, String> {
         ),
         Effect::Nesting => {
             let nest = Nest::of(scene);
+            let name = |i: u32| format!("`{}`", scene.objects[i as usize].name);
             match nest.first_overlap(&scene.world) {
-                Some([a, b]) => {
-                    let [a, b] = [a, b].map(|i| &scene.objects[i as usize].name);
-                    Ok(format!("`{a}` and `{b}` may overlap"))
-                }
-                None => Err("no two bodies of clear media come near each other".to_owned()),
+                Some([a, b]) => Ok(format!("{} and {} may overlap", name(a), name(b))),
+                None => match first_contact(scene) {
+                    Some([a, b]) => Ok(format!("{} may stand on {}", name(a), name(b))),
+                    None => Err("no body of a clear medium touches another object".to_owned()),
+                },
             }
         }
         Effect::ShadingNormals => {

@@ -3,6 +3,7 @@
 //! The plan is data: it names what is simulated and what is not. It never
 //! measures anything; a pilot that samples the scene cannot prove a zero.
 
+mod contact;
 mod judge;
 mod media;
 mod nest;
@@ -99,8 +100,9 @@ impl Plan {
     pub fn new(scene: &Scene, settings: &Settings) -> Self {
         let is_off = |effect| settings.choice(effect) == Choice::Off;
         let overlap = Nest::of(scene).may_overlap(&scene.world);
-        let nest = overlap.then(|| Nested::new(scene));
-        let casters = casters(scene, nest.is_some());
+        let contact = contact::first_contact(scene).is_some();
+        let nest = (overlap || contact).then(|| Nested::new(scene));
+        let casters = casters(scene, overlap);
         let reach = Reach::new(scene);
         let lit: Vec<Lit> = (0..scene.lights.len())
             .map(|light| {

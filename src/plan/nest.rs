@@ -221,7 +221,7 @@ impl Nest {
                 if b_box.min[axis] > a_box.max[axis] {
                     break;
                 }
-                if overlap(a_box, b_box) && near(world, a, b) && !f(a, b) {
+                if a_box.overlaps(b_box) && near(world, a, b) && !f(a, b) {
                     return;
                 }
             }
@@ -269,7 +269,7 @@ impl Start {
 
 /// What touches may be parted by this many roundings of its coordinates, and
 /// counts as touching.
-const ROUNDINGS: u32 = 64;
+pub(super) const ROUNDINGS: u32 = 64;
 
 /// Pairs of bodies, and points of each, that are looked at for a tie.
 const MOST_PAIRS: u32 = 1000;
@@ -284,11 +284,6 @@ fn widest_axis(boxes: &[(&Body, Aabb)]) -> usize {
     (0..3)
         .max_by(|&a, &b| spread(a).total_cmp(&spread(b)))
         .unwrap_or(0)
-}
-
-/// Whether two boxes have a point in common.
-fn overlap(a: &Aabb, b: &Aabb) -> bool {
-    a.min.cmple(b.max).all() && b.min.cmple(a.max).all()
 }
 
 /// Whether two bodies' spheres have a point in common.

@@ -2,7 +2,8 @@
 //!
 //! Where bodies of clear media overlap, surfaces inside a body of higher rank
 //! are none: a path goes through them as if nothing were there. Surfaces of
-//! several bodies in one place are one surface, between the media on its sides.
+//! several bodies in one place are one surface, between the media on its sides,
+//! and where one that is opaque is in the same place, that is all there is.
 
 use glam::DVec3;
 
@@ -20,8 +21,8 @@ use super::Context;
 pub struct Met {
     /// The hit; its `t` is the whole way from the ray's origin.
     pub hit: Hit,
-    /// The point; where surfaces of several bodies coincide, that of one of them
-    /// with an error that holds all.
+    /// The point; where several surfaces coincide, that of one of them with an
+    /// error that holds all.
     pub point: SurfacePoint,
     /// The material between the media that are there: of a body's surface,
     /// `ior` is the index inside over that of what surrounds it here.
@@ -80,7 +81,7 @@ pub fn media_beside(ctx: &Context<'_>, media: Media, point: &SurfacePoint, dir: 
 /// than this ends as if nothing were met.
 const MOST_HIDDEN: u32 = 1 << 20;
 
-/// The same as [`meet`] among bodies that may overlap.
+/// The same as [`meet`] among bodies that may overlap, or touch what is opaque.
 #[inline(never)]
 fn meet_nested(ctx: &Context<'_>, mut ray: Ray, t_max: f64, media: &mut Media) -> Option<Met> {
     let world = &ctx.scene.world;
@@ -96,17 +97,31 @@ fn meet_nested(ctx: &Context<'_>, mut ray: Ray, t_max: f64, media: &mut Media) -
             point,
             material: ctx.scene.object(hit.surface).material,
         };
-        if nest.rank(hit.surface.instance).is_none() {
-            return Some(met);
-        }
         // Errors are far smaller still, so that only at grazing angles a surface
         // outside of the window may be in the same place.
         let place = if crowded || point.ng.dot(ray.dir).abs() < GRAZING {
             Place::of(ctx, nest, &ray, &hit, point, *media)
         } else {
             let media = *media;
-            Place { point, media }
+            Place {
+                point,
+                media,
+                wall: None,
+            }
         };
+        if let Some(wall) = place.wall {
+            return Some(Met {
+                hit: Hit {
+                    t: way - hit.t + wall.t,
+                    ..wall
+                },
+                point: place.point,
+                material: ctx.scene.object(wall.surface).material,
+            });
+        }
+        if nest.rank(hit.surface.instance).is_none() {
+            return Some(met);
+        }
         let [inner, outer] =
             [true, false].map(|inside| nest.beside(hit.surface.instance, inside, &place.media));
         if let Some(ior) = nest.ior(&inner, &outer) {
@@ -130,12 +145,15 @@ const NEAR: f64 = 1.0 / (1u64 << 30) as f64;
 /// A cosine below which rays graze.
 const GRAZING: f64 = 1.0 / 256.0;
 
-/// Where a path meets the surface of a body, and maybe of others.
+/// Where a path meets a surface, and maybe others.
 struct Place {
     point: SurfacePoint,
     /// The bodies around the path before; of those whose surfaces coincide with
     /// this one, on which side of it they are.
     media: Media,
+    /// The hit on an opaque surface, if one coincides with a clear one here:
+    /// `point` is on it, and what goes on from there starts beyond both.
+    wall: Option<Hit>,
 }
 
 impl Place {
@@ -153,9 +171,19 @@ impl Place {
         let world = &ctx.scene.world;
         let far = ray.origin.abs().max_element() + hit.t;
         let near = NEAR * far;
-        let other = |i: u32| i != hit.surface.instance && nest.rank(i).is_some();
-        let (others, _) = world.neighbours(point.p, near, other);
-        let mut place = Self { point, media };
+        let this = hit.surface.instance;
+        let is_opaque = |i: u32| ctx.scene.objects[i as usize].material.is_opaque();
+        let on_wall = is_opaque(this);
+        let is_body = |i: u32| nest.rank(i).is_some();
+        // Two surfaces that are opaque, or neither opaque nor bodies', are two.
+        let counts = |i: u32| i != this && (is_opaque(i) != on_wall || is_body(i) && is_body(this));
+        let (others, _) = world.neighbours(point.p, near, counts);
+        let mut place = Self {
+            point,
+            media,
+            wall: None,
+        };
+        let mut error = point.error;
         let rounding = gamma(24) * far;
         let cosine = point.ng.dot(ray.dir);
         for i in others {
@@ -166,12 +194,21 @@ impl Place {
             let beside = world.surface(ray, &next);
             let errors = point.error + beside.error + rounding;
             let slope = beside.ng.dot(ray.dir);
-            if (next.t - hit.t) * slope.abs().max(cosine.abs()) <= errors {
+            if (next.t - hit.t) * slope.abs().max(cosine.abs()) > errors {
+                continue;
+            }
+            // A ray that goes on from here starts beyond them all.
+            error = error.max(2.0 * errors);
+            if on_wall {
+                place.wall = Some(*hit);
+            } else if is_opaque(i) {
+                place.wall = Some(next);
+                place.point = beside;
+            } else {
                 place.media = nest.shared(place.media, i, (slope < 0.0) == (cosine < 0.0));
-                // A ray that goes on from here starts beyond them all.
-                place.point.error = place.point.error.max(2.0 * errors);
             }
         }
+        place.point.error = place.point.error.max(error);
         place
     }
 }

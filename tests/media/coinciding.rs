@@ -11,7 +11,7 @@ use nephroid::{
 use crate::{CAMERA, LAMP, around, common::scene_of, dielectric, with_context};
 
 /// Sizes of blocks, and how far they are from the origin.
-const PLACES: [(f64, f64); 5] = [
+pub(crate) const PLACES: [(f64, f64); 5] = [
     (1.0, 0.0),
     (1.0, 1e4),
     (1e-3, 7.0),
@@ -21,15 +21,21 @@ const PLACES: [(f64, f64); 5] = [
 
 /// Kinds of blocks: whose faces stand along the axes, that are turned, that are
 /// round, made of triangles.
-const KINDS: [&str; 4] = ["box", "turned", "round", "mesh"];
+pub(crate) const KINDS: [&str; 4] = ["box", "turned", "round", "mesh"];
 
-fn triple(v: DVec3) -> String {
+pub(crate) fn triple(v: DVec3) -> String {
     format!("({:?}, {:?}, {:?})", v.x, v.y, v.z)
 }
 
 /// A block of a kind from `low` to `high` along z, otherwise from `-size` to
 /// `size` around `at`.
-fn block(kind: &str, [low, high]: [f64; 2], size: f64, at: DVec3, material: &str) -> String {
+pub(crate) fn block(
+    kind: &str,
+    [low, high]: [f64; 2],
+    size: f64,
+    at: DVec3,
+    material: &str,
+) -> String {
     let min = at + DVec3::new(-size, -size, low);
     let max = at + DVec3::new(size, size, high);
     let cuboid = format!("Box(min: {}, max: {})", triple(min), triple(max));
@@ -62,7 +68,7 @@ fn block(kind: &str, [low, high]: [f64; 2], size: f64, at: DVec3, material: &str
     }
 }
 
-fn turned(kind: &str, v: DVec3) -> DVec3 {
+pub(crate) fn turned(kind: &str, v: DVec3) -> DVec3 {
     if kind != "turned" {
         return v;
     }

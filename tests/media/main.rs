@@ -5,6 +5,7 @@
 mod coinciding;
 #[path = "../common/mod.rs"]
 mod common;
+mod contact;
 mod light;
 mod rays;
 mod twin;

@@ -10,7 +10,7 @@
 use glam::{DMat3, DVec2, DVec3};
 
 use super::{
-    Place, ShapeHit, ShapePoint, Surface,
+    Pieces, Place, ShapeHit, ShapePoint, Surface,
     axial::{AxialRay, Axis},
     disc::circle_half_widths,
     span::{Span, Spans, below_zero, within},
@@ -350,6 +350,13 @@ impl Surface for Conic {
             side.min(z.abs()).min((z - self.length).abs())
         } else {
             side
+        }
+    }
+
+    fn pieces(&self) -> Pieces {
+        Pieces {
+            flat: self.capped,
+            ..Pieces::ANY
         }
     }
 }

@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use super::{Place, ShapeHit, ShapePoint, Surface, span::Span};
+use super::{Pieces, Place, ShapeHit, ShapePoint, Surface, span::Span};
 use crate::geometry::{Aabb, Turning};
 
 /// A box; its normals point outward. The face at the smaller coordinate of
@@ -91,5 +91,9 @@ impl Surface for Cuboid {
         } else {
             -beyond.max_element()
         }
+    }
+
+    fn pieces(&self) -> Pieces {
+        Pieces::FLAT
     }
 }

@@ -8,7 +8,7 @@
 use glam::{DVec2, DVec3};
 
 use super::{
-    Place, ShapeHit, ShapePoint, Surface,
+    Pieces, Place, ShapeHit, ShapePoint, Surface,
     axial::{AxialRay, Axis},
     disc::circle_half_widths,
     span::Span,
@@ -220,6 +220,13 @@ impl Surface for Cylinder {
             side.min(along.abs()).min((along - self.length).abs())
         } else {
             side
+        }
+    }
+
+    fn pieces(&self) -> Pieces {
+        Pieces {
+            flat: self.capped,
+            ..Pieces::ANY
         }
     }
 }

@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use super::{Place, ShapeHit, ShapePoint, Surface, plane::drop_onto, plane_crossing};
+use super::{Pieces, Place, ShapeHit, ShapePoint, Surface, plane::drop_onto, plane_crossing};
 use crate::{
     geometry::{Aabb, BoundingSphere, Turning, transform::unit},
     numeric::gamma,
@@ -98,6 +98,10 @@ impl Surface for Disc {
 
     fn distance_bound(&self, p: DVec3, _within: f64) -> f64 {
         (p - self.center).dot(self.normal).abs()
+    }
+
+    fn pieces(&self) -> Pieces {
+        Pieces::FLAT
     }
 }
 

@@ -8,7 +8,7 @@
 
 use glam::{DMat3, DVec3};
 
-use super::{Place, ShapeHit, ShapePoint, Sphere, Surface};
+use super::{Pieces, Place, ShapeHit, ShapePoint, Sphere, Surface};
 use crate::{
     geometry::{Aabb, BoundingSphere, Transform, Turning},
     numeric::gamma,
@@ -124,5 +124,9 @@ impl Surface for Ellipsoid {
         let stretch = self.map.inverse_stretch();
         let own = self.map.inverse_point(p);
         self.sphere.distance_bound(own, within * stretch) / stretch
+    }
+
+    fn pieces(&self) -> Pieces {
+        Pieces::CURVED
     }
 }

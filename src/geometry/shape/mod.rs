@@ -44,6 +44,7 @@ pub use triangle::{ShearedRay, Triangle};
 pub(super) use triangle::{point_at, sound_normal, triangle_normal};
 
 use super::{Aabb, BoundingSphere, Transform, TriangleMesh, Turning, hit::pushed_out};
+use crate::numeric::gamma;
 
 /// Everything that a ray can meet.
 #[derive(Clone, Debug)]
@@ -222,6 +223,54 @@ pub trait Surface {
     /// A lower bound of the distance from `p` to the surface; it need be
     /// right only as far as `within`.
     fn distance_bound(&self, p: DVec3, within: f64) -> f64;
+
+    /// Whether the surface may come into a region; errs on the side of yes.
+    fn may_meet(&self, region: &Aabb) -> bool {
+        let reach = region.half_diagonal().length();
+        self.bounds().is_none_or(|b| b.overlaps(region))
+            && self.distance_bound(region.center(), reach) <= reach * (1.0 + gamma(8))
+    }
+
+    /// Of what kind its pieces are: what is flat everywhere and what is flat
+    /// nowhere have no piece in common.
+    fn pieces(&self) -> Pieces {
+        Pieces::ANY
+    }
+}
+
+/// Of what kind the pieces of a surface are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Pieces {
+    /// Some may be flat.
+    pub flat: bool,
+    /// Some may be curved.
+    pub curved: bool,
+}
+
+impl Pieces {
+    /// Nothing is known.
+    pub const ANY: Self = Self {
+        flat: true,
+        curved: true,
+    };
+
+    /// All are flat.
+    pub const FLAT: Self = Self {
+        flat: true,
+        curved: false,
+    };
+
+    /// All are curved.
+    pub const CURVED: Self = Self {
+        flat: false,
+        curved: true,
+    };
+
+    /// Whether two surfaces may have a piece in common.
+    #[must_use]
+    pub fn may_coincide(self, other: Self) -> bool {
+        self.flat && other.flat || self.curved && other.curved
+    }
 }
 
 /// Where a search from crossing to crossing ends: far more than any line has,
@@ -313,6 +362,14 @@ impl Surface for Shape {
 
     fn distance_bound(&self, p: DVec3, within: f64) -> f64 {
         each!(self, s => s.distance_bound(p, within))
+    }
+
+    fn may_meet(&self, region: &Aabb) -> bool {
+        each!(self, s => s.may_meet(region))
+    }
+
+    fn pieces(&self) -> Pieces {
+        each!(self, s => s.pieces())
     }
 }
 

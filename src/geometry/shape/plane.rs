@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use super::{Place, ShapeHit, ShapePoint, Surface, plane_crossing};
+use super::{Pieces, Place, ShapeHit, ShapePoint, Surface, plane_crossing};
 use crate::{
     geometry::{Aabb, Turning, transform::unit},
     numeric::{U, gamma},
@@ -92,6 +92,17 @@ impl Surface for Plane {
 
     fn distance_bound(&self, p: DVec3, _within: f64) -> f64 {
         (p - self.point).dot(self.normal).abs()
+    }
+
+    fn may_meet(&self, region: &Aabb) -> bool {
+        let reach = region.half_diagonal().dot(self.normal.abs());
+        let center = region.center();
+        let rounding = gamma(16) * (center.abs() + self.point.abs()).element_sum();
+        self.distance_bound(center, reach) <= reach + rounding
+    }
+
+    fn pieces(&self) -> Pieces {
+        Pieces::FLAT
     }
 }
 

@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use super::{Place, ShapeHit, ShapePoint, Surface, plane_crossing};
+use super::{Pieces, Place, ShapeHit, ShapePoint, Surface, plane_crossing};
 use crate::{
     geometry::{Aabb, BoundingSphere, Turning, transform::unit},
     numeric::gamma,
@@ -125,5 +125,9 @@ impl Surface for Quad {
 
     fn distance_bound(&self, p: DVec3, _within: f64) -> f64 {
         (p - self.corner).dot(self.normal).abs()
+    }
+
+    fn pieces(&self) -> Pieces {
+        Pieces::FLAT
     }
 }

@@ -7,7 +7,7 @@
 
 use glam::DVec3;
 
-use super::{Place, ShapeHit, ShapePoint, Surface};
+use super::{Pieces, Place, ShapeHit, ShapePoint, Surface};
 use crate::{
     geometry::{Aabb, BoundingSphere, Transform, Turning},
     numeric::{
@@ -155,6 +155,10 @@ impl Surface for Sphere {
 
     fn distance_bound(&self, p: DVec3, _within: f64) -> f64 {
         (p.distance(self.center) - self.radius).abs()
+    }
+
+    fn pieces(&self) -> Pieces {
+        Pieces::CURVED
     }
 }
 

@@ -10,7 +10,7 @@
 
 use glam::{DMat3, DVec2, DVec3};
 
-use super::{Place, ShapeHit, ShapePoint, Surface, disc::circle_half_widths, span::Span};
+use super::{Pieces, Place, ShapeHit, ShapePoint, Surface, disc::circle_half_widths, span::Span};
 use crate::{
     geometry::{Aabb, BoundingSphere, Turning, transform::unit, turning::outer},
     numeric::{
@@ -261,5 +261,9 @@ impl Surface for Torus {
         let (flat, z) = self.split(p - self.center);
         let out = flat.length() - self.major;
         ((out * out + z * z).sqrt() - self.minor).abs()
+    }
+
+    fn pieces(&self) -> Pieces {
+        Pieces::CURVED
     }
 }

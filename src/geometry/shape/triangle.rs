@@ -10,7 +10,7 @@
 
 use glam::DVec3;
 
-use super::{Place, ShapeHit, ShapePoint, Surface};
+use super::{Pieces, Place, ShapeHit, ShapePoint, Surface};
 use crate::{
     geometry::{Aabb, BoundingSphere, Turning, transform::power_of_two_near},
     numeric::{U, difference_of_products, gamma},
@@ -95,6 +95,10 @@ impl Surface for Triangle {
 
     fn distance_bound(&self, p: DVec3, _within: f64) -> f64 {
         (p - self.vertices[0]).dot(self.normal).abs()
+    }
+
+    fn pieces(&self) -> Pieces {
+        Pieces::FLAT
     }
 }
 
