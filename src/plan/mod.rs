@@ -34,8 +34,8 @@ use reach::Reach;
 )]
 #[derive(Clone, Debug, PartialEq)]
 pub struct Plan {
-    /// Bodies of clear media that may overlap; `None` if no two of them do:
-    /// then what lies around a body is air.
+    /// Bodies of clear media, if two may overlap or a clear surface may stand on
+    /// an opaque one; `None` if not: then what lies around a body is air.
     pub nest: Option<Nested>,
     /// Instances that can turn light into a caustic.
     pub casters: Vec<u32>,
