@@ -1,6 +1,9 @@
 //! Asking the map at a surface point, with what stands around it.
 
-use std::{cell::OnceCell, f64::consts::TAU};
+use std::{
+    cell::OnceCell,
+    f64::consts::{FRAC_1_SQRT_2, TAU},
+};
 
 use glam::DVec3;
 
@@ -12,8 +15,18 @@ use crate::{
 
 use super::{Ellipse, Gathered, Kernels, Query, Vicinity};
 
-/// Directions in which walls around a gather point are looked for.
-const DIRECTIONS: usize = 32;
+/// Directions in which walls around a gather point are looked for, four to each
+/// of [`TURNS`]. Half as many as were used once: in `cornell_glass`, where a
+/// third of all queries look, errors are the same.
+const DIRECTIONS: usize = 16;
+
+/// Cosines and sines of the first quarter of the directions.
+const TURNS: [[f64; 2]; DIRECTIONS / 4] = [
+    [1.0, 0.0],
+    [0.923_879_532_511_286_7, 0.382_683_432_365_089_8],
+    [FRAC_1_SQRT_2, FRAC_1_SQRT_2],
+    [0.382_683_432_365_089_8, 0.923_879_532_511_286_7],
+];
 
 /// Smallest share of a kernel that is made up for: in a narrow gap the share
 /// is not known well enough to divide by it.
@@ -94,9 +107,12 @@ struct Horizon {
 impl Horizon {
     fn around(ctx: &Context<'_>, at: &DiffusePoint, walls: &[u32], farthest: f64, u: f64) -> Self {
         let frame = Frame::around(at.ng);
+        let (s, c) = trig::sin_cos(TAU * u / DIRECTIONS as f64);
         let free: [(DVec3, f64); DIRECTIONS] = std::array::from_fn(|i| {
-            let (sin, cos) = trig::sin_cos(TAU * (i as f64 + u) / DIRECTIONS as f64);
-            let dir = (frame.s * cos + frame.t * sin).normalize();
+            let [cos, sin] = TURNS[i / 4];
+            let (x, y) = (c * cos - s * sin, c * sin + s * cos);
+            let (x, y) = [(x, y), (-y, x), (-x, -y), (y, -x)][i % 4];
+            let dir = (frame.s * x + frame.t * y).normalize();
             let ray = at.point.spawn(dir);
             let met = ctx.scene.world.closest_of(walls, &ray, farthest);
             (dir, met.unwrap_or(f64::INFINITY))
