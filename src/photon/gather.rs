@@ -20,6 +20,9 @@ use super::{Ellipse, Gathered, Kernels, Query, Vicinity};
 /// third of all queries look, errors are the same.
 const DIRECTIONS: usize = 16;
 
+/// Directions that are worked out side by side.
+const LANES: usize = 4;
+
 /// Cosines and sines of the first quarter of the directions.
 const TURNS: [[f64; 2]; DIRECTIONS / 4] = [
     [1.0, 0.0],
@@ -98,51 +101,78 @@ pub fn is_wall(material: &Material) -> bool {
 
 /// How far the tangent plane around a point is free of walls.
 struct Horizon {
-    /// Unit directions and the free way along each, in metres.
-    free: [(DVec3, f64); DIRECTIONS],
-    /// The shortest of these.
+    /// Unit vectors that span the plane.
+    frame: [DVec3; 2],
+    /// Unit directions in it.
+    x: [f32; DIRECTIONS],
+    y: [f32; DIRECTIONS],
+    /// The square of the free way along each, in units of the farthest way that
+    /// matters.
+    free2: [f32; DIRECTIONS],
+    /// That unit in metres.
+    unit: f64,
+    /// The shortest free way in metres.
     nearest: f64,
 }
 
 impl Horizon {
     fn around(ctx: &Context<'_>, at: &DiffusePoint, walls: &[u32], farthest: f64, u: f64) -> Self {
-        let frame = Frame::around(at.ng);
-        let (s, c) = trig::sin_cos(TAU * u / DIRECTIONS as f64);
-        let free: [(DVec3, f64); DIRECTIONS] = std::array::from_fn(|i| {
-            let [cos, sin] = TURNS[i / 4];
-            let (x, y) = (c * cos - s * sin, c * sin + s * cos);
+        let Frame { s, t, .. } = Frame::around(at.ng);
+        let mut horizon = Self {
+            frame: [s, t],
+            x: [0.0; DIRECTIONS],
+            y: [0.0; DIRECTIONS],
+            free2: [f32::INFINITY; DIRECTIONS],
+            unit: farthest,
+            nearest: f64::INFINITY,
+        };
+        let (sin, cos) = trig::sin_cos(TAU * u / DIRECTIONS as f64);
+        for i in 0..DIRECTIONS {
+            let [turn_cos, turn_sin] = TURNS[i / 4];
+            let (x, y) = (
+                cos * turn_cos - sin * turn_sin,
+                cos * turn_sin + sin * turn_cos,
+            );
             let (x, y) = [(x, y), (-y, x), (-x, -y), (y, -x)][i % 4];
-            let dir = (frame.s * x + frame.t * y).normalize();
-            let ray = at.point.spawn(dir);
-            let met = ctx.scene.world.closest_of(walls, &ray, farthest);
-            (dir, met.unwrap_or(f64::INFINITY))
-        });
-        let nearest = free.iter().fold(f64::INFINITY, |least, f| least.min(f.1));
-        Self { free, nearest }
+            (horizon.x[i], horizon.y[i]) = (x as f32, y as f32);
+            let ray = at.point.spawn((s * x + t * y).normalize());
+            if let Some(free) = ctx.scene.world.closest_of(walls, &ray, farthest) {
+                horizon.free2[i] = (free / farthest).powi(2) as f32;
+                horizon.nearest = horizon.nearest.min(free);
+            }
+        }
+        horizon
     }
 
     /// The shares that walls leave of a kernel around the point, and of those
-    /// of half and of a quarter of its area, above 0.
+    /// of half and of a quarter of its area, above 0. Like kernels, worked out in
+    /// single precision, in lengths of the major axis.
     fn shares(&self, ellipse: &Ellipse) -> [f64; 3] {
         if ellipse.major <= self.nearest {
             return [1.0; 3];
         }
-        let (a2, b2) = (ellipse.major * ellipse.major, ellipse.minor * ellipse.minor);
-        let (mut left, mut all) = ([0.0; 3], 0.0);
-        for &(dir, free) in &self.free {
-            let c = dir.dot(ellipse.axis);
-            let c2 = c * c;
-            // The squared way to the ellipse's rim, and the part of the
-            // kernel's mass within a smaller way, 2 x - x^2 for x its square
-            // over that of the rim.
-            let rim2 = a2 * b2 / (b2 * c2 + a2 * (1.0 - c2).max(0.0));
-            let inside = free * free / rim2;
-            all += rim2;
-            for (left, narrower) in left.iter_mut().zip([1.0, 2.0, 4.0]) {
-                let x = (narrower * inside).min(1.0);
-                *left += rim2 * x * (2.0 - x);
+        let [ax, ay] = self.frame.map(|v| v.dot(ellipse.axis) as f32);
+        let flat = (ellipse.minor / ellipse.major).powi(2) as f32;
+        let scale = (self.unit / ellipse.major).powi(2) as f32;
+        let mut sums = [[0.0f32; LANES]; 4];
+        for first in (0..DIRECTIONS).step_by(LANES) {
+            for lane in 0..LANES {
+                let i = first + lane;
+                let c = self.x[i] * ax + self.y[i] * ay;
+                let c2 = c * c;
+                // The squared way to the ellipse's rim, and the part of the
+                // kernel's mass within a smaller way, 2 x - x^2 for x its square
+                // over that of the rim.
+                let rim2 = flat / (flat * c2 + (1.0 - c2).max(0.0));
+                let inside = self.free2[i] * scale / rim2;
+                sums[3][lane] += rim2;
+                for (sum, narrower) in sums.iter_mut().zip([1.0, 2.0, 4.0]) {
+                    let x = (narrower * inside).min(1.0);
+                    sum[lane] += rim2 * x * (2.0 - x);
+                }
             }
         }
-        left.map(|left| (left / all).max(LEAST_SHARE))
+        let [a, b, c, all] = sums.map(|s| (s[0] + s[1]) + (s[2] + s[3]));
+        [a, b, c].map(|left| f64::from(left / all).max(LEAST_SHARE))
     }
 }
