@@ -105,7 +105,7 @@ pub(super) fn trace_watched(
     watch: &mut impl FnMut(Step),
     store: &mut impl FnMut(Photon),
 ) {
-    if ctx.plan.nest.is_some() {
+    if ctx.plan.nest().is_some() {
         trace_in::<true>(ctx, emission, paths, stream, tally, watch, store);
     } else {
         trace_in::<false>(ctx, emission, paths, stream, tally, watch, store);
@@ -190,7 +190,7 @@ fn trace_in<const NESTED: bool>(
             let Material::Diffuse { reflectance } = material else {
                 return;
             };
-            if bounced || !ctx.plan.indirect {
+            if bounced || !ctx.plan.indirect() {
                 return;
             }
             flux = landed.flux * reflectance;
@@ -288,7 +288,7 @@ fn land(
         return None;
     }
     let (mut normal, mut factor) = (point.ng, 1.0);
-    if point.ns != point.ng {
+    if point.is_smooth() {
         let ratio = d.dot(point.ns) / d.dot(point.ng);
         factor = if ratio.is_finite() {
             ratio.max(0.0)

@@ -19,6 +19,7 @@ pub use starts::{Starts, extent};
 pub use typical::film_quantum;
 
 use crate::{
+    built,
     light::Light,
     material::Material,
     scene::{Choice, Effect, Scene, Settings},
@@ -98,7 +99,7 @@ impl Plan {
     /// without what the user leaves out.
     pub fn new(scene: &Scene, settings: &Settings) -> Self {
         let is_off = |effect| settings.choice(effect) == Choice::Off;
-        let overlap = Nest::of(scene).may_overlap(&scene.world);
+        let overlap = built::NESTING && Nest::of(scene).may_overlap(&scene.world);
         let nest = overlap.then(|| Nested::new(scene));
         let casters = casters(scene, nest.is_some());
         let reach = Reach::new(scene);
@@ -125,9 +126,11 @@ impl Plan {
                 .collect(),
             straight_surfaces: nest.is_some()
                 || scene.objects.iter().any(|o| o.material.is_straight()),
-            caustics: lit.iter().any(some_lit) && !is_off(Effect::Caustics),
-            indirect: judge::between_diffuse(scene).is_ok() && !is_off(Effect::Indirect),
-            glints: judge::glinting(scene).is_ok() && !is_off(Effect::Glints),
+            caustics: built::CAUSTICS && lit.iter().any(some_lit) && !is_off(Effect::Caustics),
+            indirect: built::INDIRECT
+                && judge::between_diffuse(scene).is_ok()
+                && !is_off(Effect::Indirect),
+            glints: built::GLINTS && judge::glinting(scene).is_ok() && !is_off(Effect::Glints),
             casters,
             lit,
             nest,
@@ -153,6 +156,37 @@ impl Plan {
                 ..self.clone()
             }
         })
+    }
+
+    /// The bodies that may overlap. This and the other questions of paths are
+    /// answered when compiling in a build that lacks the effect.
+    #[inline]
+    pub fn nest(&self) -> Option<&Nested> {
+        self.nest.as_ref().filter(|_| built::NESTING)
+    }
+
+    /// Whether shadow rays must look what they cross.
+    #[inline]
+    pub fn straight_surfaces(&self) -> bool {
+        (built::PANES || built::NESTING) && self.straight_surfaces
+    }
+
+    /// Whether caustic photons are traced.
+    #[inline]
+    pub fn caustics(&self) -> bool {
+        built::CAUSTICS && self.caustics
+    }
+
+    /// Whether light between diffuse surfaces is simulated.
+    #[inline]
+    pub fn indirect(&self) -> bool {
+        built::INDIRECT && self.indirect
+    }
+
+    /// Whether small images of sources are looked for.
+    #[inline]
+    pub fn glints(&self) -> bool {
+        built::GLINTS && self.glints
     }
 
     /// The lights' casters that the plan has proved to be none: what is aimed

@@ -5,6 +5,7 @@ use std::f64::consts::FRAC_1_PI;
 use glam::DVec3;
 
 use crate::{
+    built,
     camera::Footprint,
     film::{Layer, PixelSample},
     geometry::Ray,
@@ -93,7 +94,7 @@ fn add_blur(sum: &mut [f64; 2], more: [f64; 2]) {
 impl<'a> Gather<'a> {
     /// Asks the photons for samples that follow each other closely.
     pub(super) fn vicinity(&self) -> Option<Vicinity<'a>> {
-        self.map.map(Vicinity::new)
+        self.map.filter(|_| built::CAUSTICS).map(Vicinity::new)
     }
 
     /// Light through a film position, by layer.
@@ -165,6 +166,9 @@ impl<'a> Gather<'a> {
 
     /// What a walk sees of a source at its end.
     pub(super) fn source(&self, walker: &Walker, end: &End) -> Rgb {
+        if !built::SOURCES {
+            return Rgb::BLACK;
+        }
         let lights = &self.ctx.scene.lights;
         let radiance = match end {
             End::Escaped => {
@@ -213,7 +217,7 @@ impl<'a> Gather<'a> {
         tally.rays += u64::from(rays);
         let direct = direct_light(&self.ctx, at, &mut here, rays);
         sample[Layer::Direct] += walker.throughput * direct;
-        if !self.ctx.plan.indirect {
+        if !self.ctx.plan.indirect() {
             return sample;
         }
         sample[Layer::Indirect] += walker.throughput * found.light[1];
@@ -248,7 +252,7 @@ impl<'a> Gather<'a> {
         vicinity: &mut Option<Vicinity<'_>>,
         tally: &mut CameraTally,
     ) -> Found {
-        let Some(vicinity) = vicinity else {
+        let Some(vicinity) = vicinity.as_mut().filter(|_| built::CAUSTICS) else {
             stream.skip();
             return Found::default();
         };

@@ -35,9 +35,9 @@ impl DiffusePoint {
     pub fn new(point: SurfacePoint, d: DVec3, reflectance: Rgb, media: Media) -> Self {
         let flip = point.ng.dot(d) > 0.0;
         let (ng, ns) = if flip {
-            (-point.ng, -point.ns)
+            (-point.ng, -point.ns())
         } else {
-            (point.ng, point.ns)
+            (point.ng, point.ns())
         };
         Self {
             point,
