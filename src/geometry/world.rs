@@ -60,7 +60,7 @@ impl Instance {
         // A linear map of normals keeps the sign of ns . ng only when both
         // are the same; otherwise their angle may open.
         let ng = m.normal(own.ng);
-        let ns = if built::SHADING_NORMALS {
+        let ns = if built::SHADING_NORMALS && own.ns != own.ng {
             m.normal(own.ns)
         } else {
             ng

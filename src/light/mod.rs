@@ -108,6 +108,7 @@ impl Light {
 
     /// Whether the light is seen under a solid angle, so that its shadows are
     /// soft and samples of it differ.
+    #[inline]
     pub fn has_extent(&self) -> bool {
         match self {
             Self::Point(_) | Self::Spot(_) | Self::Beam(_) => false,

@@ -15,6 +15,7 @@ use crate::{
     material::Material,
     numeric::{Frame, VectorPair},
     sampling::{Stream, warp},
+    scene::Kernel,
     spectrum::Rgb,
     transport::{Carried, Context, Differential, Lobe, Met, Ways, media_beside, meet_in},
 };
@@ -92,12 +93,18 @@ pub fn trace(
     tally: &mut LightTally,
     store: &mut impl FnMut(Photon),
 ) {
-    trace_watched(ctx, emission, paths, stream, tally, &mut |_| {}, store);
+    let watch = &mut |_| {};
+    let kernel = Kernel::Footprint;
+    trace_watched(ctx, kernel, emission, paths, stream, tally, watch, store);
 }
 
-/// [`trace`] for someone who wants to know the surfaces met on the way.
+/// [`trace`] for someone who wants to know the surfaces met on the way. Where
+/// kernels are circles, photons have no footprints, and nothing is done to find
+/// any.
+#[allow(clippy::too_many_arguments, reason = "those of `trace`, and a watcher")]
 pub(super) fn trace_watched(
     ctx: &Context<'_>,
+    kernel: Kernel,
     emission: &Emission,
     paths: f64,
     stream: &mut Stream,
@@ -105,23 +112,26 @@ pub(super) fn trace_watched(
     watch: &mut impl FnMut(Step),
     store: &mut impl FnMut(Photon),
 ) {
-    if ctx.plan.nest().is_some() {
-        trace_in::<true>(ctx, emission, paths, stream, tally, watch, store);
-    } else {
-        trace_in::<false>(ctx, emission, paths, stream, tally, watch, store);
-    }
+    let trace = match (ctx.plan.nest().is_some(), kernel) {
+        (false, Kernel::Footprint) => trace_in::<false, true, _, _>,
+        (true, Kernel::Footprint) => trace_in::<true, true, _, _>,
+        (false, Kernel::Circle) => trace_in::<false, false, _, _>,
+        (true, Kernel::Circle) => trace_in::<true, false, _, _>,
+    };
+    trace(ctx, emission, paths, stream, tally, watch, store);
 }
 
-/// The same, where bodies of clear media may overlap or not (`NESTED`).
+/// The same, where bodies of clear media may overlap or not (`NESTED`), for
+/// photons that have footprints or do not (`SPREAD`).
 #[inline]
-fn trace_in<const NESTED: bool>(
+fn trace_in<const NESTED: bool, const SPREAD: bool, W: FnMut(Step), S: FnMut(Photon)>(
     ctx: &Context<'_>,
     emission: &Emission,
     paths: f64,
     stream: &mut Stream,
     tally: &mut LightTally,
-    watch: &mut impl FnMut(Step),
-    store: &mut impl FnMut(Photon),
+    watch: &mut W,
+    store: &mut S,
 ) {
     let mut flux = emission.flux;
     tally.paths += 1;
@@ -144,7 +154,9 @@ fn trace_in<const NESTED: bool>(
             point,
             material,
         } = met;
-        differential.transfer(ray.dir, hit.t, point.ng);
+        if SPREAD {
+            differential.transfer(ray.dir, hit.t, point.ng);
+        }
         if depth == 0 {
             tally.landed_paths += 1;
         }
@@ -165,8 +177,10 @@ fn trace_in<const NESTED: bool>(
             let turn = Turn::along(&lobe);
             watch(Step { turn, ..step });
             differential.chance *= lobe.share;
-            way.push(hit.surface.instance, &lobe.bend);
-            if lobe.is_bent() {
+            if SPREAD {
+                way.push(hit.surface.instance, &lobe.bend);
+            }
+            if SPREAD && lobe.is_bent() {
                 let turning = ctx.scene.world.turning(&hit, &point);
                 differential.bend(ray.dir, &lobe.bend, &turning);
             }
@@ -181,7 +195,11 @@ fn trace_in<const NESTED: bool>(
                 return;
             };
             let fold = (!bounced).then_some((&way, emission, hit.surface.instance));
-            let footprint = patch::<NESTED>(ctx, &differential, paths, &landed, fold);
+            let footprint = if SPREAD {
+                patch::<NESTED>(ctx, &differential, paths, &landed, fold)
+            } else {
+                None
+            };
             store(Photon {
                 footprint,
                 bounced,
@@ -202,7 +220,9 @@ fn trace_in<const NESTED: bool>(
             let local = warp::cosine_hemisphere(stream.next_2d());
             let frame = Frame::around(landed.normal);
             let direction = frame.to_world(local).normalize();
-            differential.restart(cosine_cell(&frame, local));
+            if SPREAD {
+                differential.restart(cosine_cell(&frame, local));
+            }
             (direction, reflectance.max())
         };
         if q < 1.0 {
