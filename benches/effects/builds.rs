@@ -11,20 +11,17 @@ use nephroid::{
     scene::{Effect, Settings},
 };
 
-use crate::{
-    job::Job,
-    price, row, say,
-    scenes::{self},
-    this_program,
-};
+use crate::{job::Job, price, row, say, scenes, this_program};
 
-/// Scenes by which all that they lack is priced together.
-const PLAIN: [&str; 5] = [
+/// Scenes by which all that they lack is priced together: a build without what
+/// one of them lacks is tried in all that lack as much.
+const PLAIN: [&str; 6] = [
     "floor, point",
     "ball, lamp",
     "glass, lamp",
-    "mirror, lamp",
     "wedge, lamp",
+    "mirror, lamp",
+    "ball, point",
 ];
 
 /// A scene that lacks the effect, and comes near to it.
@@ -59,7 +56,13 @@ pub(crate) fn compare(words: &[String]) {
         for scene in PLAIN {
             let lacks = lacks(scene);
             let program = build(&lacks);
-            beside(&format!("{} effects", lacks.len()), scene, &program, pairs);
+            let names: Vec<&str> = lacks.iter().map(|e| e.name()).collect();
+            say(&format!("without {}:", names.join(", ")));
+            let poorer = PLAIN.iter().filter(|s| contains(&self::lacks(s), &lacks));
+            for (i, other) in poorer.enumerate() {
+                let pairs = if i == 0 { pairs } else { 0 };
+                beside(&format!("{} effects", lacks.len()), other, &program, pairs);
+            }
         }
         return;
     }
@@ -87,6 +90,10 @@ fn lacks(scene: &str) -> Vec<Effect> {
     let verdicts = judge(&scene, &Settings::default());
     let off = verdicts.into_iter().filter(|v| !v.called_for);
     off.map(|v| v.effect).collect()
+}
+
+fn contains(all: &[Effect], some: &[Effect]) -> bool {
+    some.iter().all(|e| all.contains(e))
 }
 
 /// A line: what a build without something and the whole program take for the

@@ -87,7 +87,9 @@ impl Job {
 
     /// Runs the passes and prints what is [`Found`].
     pub(crate) fn run(&self) {
+        // No thread waits for another: waiting takes instructions, too.
         let pool = rayon::ThreadPoolBuilder::new().num_threads(1);
+        let pool = pool.use_current_thread();
         pool.build_global().unwrap_or_else(|e| panic!("{e}"));
         let scene = scenes::named(&self.scene);
         let mut settings = Settings {
