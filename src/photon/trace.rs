@@ -195,11 +195,7 @@ fn trace_in<const NESTED: bool, const SPREAD: bool, W: FnMut(Step), S: FnMut(Pho
                 return;
             };
             let fold = (!bounced).then_some((&way, emission, hit.surface.instance));
-            let footprint = if SPREAD {
-                patch::<NESTED>(ctx, &differential, paths, &landed, fold)
-            } else {
-                None
-            };
+            let footprint = patch::<NESTED, SPREAD>(ctx, &differential, paths, &landed, fold);
             store(Photon {
                 footprint,
                 bounced,
@@ -226,12 +222,10 @@ fn trace_in<const NESTED: bool, const SPREAD: bool, W: FnMut(Step), S: FnMut(Pho
             (direction, reflectance.max())
         };
         if q < 1.0 {
-            if stream.next_1d() >= q {
-                tally.roulette_loss += flux.mean();
+            let Some(survived) = play(flux, q, stream.next_1d(), tally) else {
                 return;
-            }
-            tally.roulette_gain += flux.mean() * (1.0 / q - 1.0);
-            flux = flux / q;
+            };
+            flux = survived;
             differential.chance *= q;
         }
         if NESTED {
@@ -243,16 +237,31 @@ fn trace_in<const NESTED: bool, const SPREAD: bool, W: FnMut(Step), S: FnMut(Pho
     tally.truncated_paths += 1;
 }
 
+/// The flux of a photon that survives with chance `q`; `None` if `u` ends it.
+#[inline]
+fn play(flux: Rgb, q: f64, u: f64, tally: &mut LightTally) -> Option<Rgb> {
+    if u >= q {
+        tally.roulette_loss += flux.mean();
+        return None;
+    }
+    tally.roulette_gain += flux.mean() * (1.0 / q - 1.0);
+    Some(flux / q)
+}
+
 /// The patch that a photon stands for, by its derivatives; with a fold ahead if
 /// the photon's way, its start and the object on which it landed are given.
+/// Nothing for photons without footprints.
 #[inline]
-fn patch<const NESTED: bool>(
+fn patch<const NESTED: bool, const SPREAD: bool>(
     ctx: &Context<'_>,
     differential: &Differential,
     paths: f64,
     landed: &Photon,
     fold: Option<(&Way, &Emission, u32)>,
 ) -> Option<Footprint> {
+    if !SPREAD {
+        return None;
+    }
     let (mut footprint, rim) = Footprint::with_rim(differential, paths, landed.normal)?;
     if let (Some(rim), Some((way, emission, last))) = (rim, fold)
         && let Some(p) = way.follow::<NESTED>(ctx, emission, &rim, last)

@@ -208,18 +208,30 @@ impl<'a> Gather<'a> {
     ) -> PixelSample {
         let mut sample = PixelSample::default();
         let mut here = coordinates::shading(stream, k);
-        let (bounce, goes_on) = (here.next_2d(), here.next_1d());
-        let width = self.footprint.width + self.footprint.spread * walker.length;
-        let found = self.gathered(at, width, true, &mut here, vicinity, tally);
-        sample[Layer::Caustic] += walker.throughput * found.light[0];
-        sample.blur = found.blur(0, walker.throughput);
+        // Numbers that nobody needs are passed over: others keep their meaning.
+        let further = if self.ctx.plan.indirect() {
+            Some((here.next_2d(), here.next_1d()))
+        } else {
+            here.skip(3);
+            None
+        };
+        let found = if vicinity.is_some() {
+            let width = self.footprint.width + self.footprint.spread * walker.length;
+            let found = self.gathered(at, width, true, &mut here, vicinity, tally);
+            sample[Layer::Caustic] += walker.throughput * found.light[0];
+            sample.blur = found.blur(0, walker.throughput);
+            found
+        } else {
+            here.skip(1);
+            Found::default()
+        };
         let rays = self.shadow_rays(walker);
         tally.rays += u64::from(rays);
         let direct = direct_light(&self.ctx, at, &mut here, rays);
         sample[Layer::Direct] += walker.throughput * direct;
-        if !self.ctx.plan.indirect() {
+        let Some((bounce, goes_on)) = further else {
             return sample;
-        }
+        };
         sample[Layer::Indirect] += walker.throughput * found.light[1];
         add_blur(&mut sample.blur, found.blur(1, walker.throughput));
         // A path that carries little goes on as seldom.
@@ -253,7 +265,7 @@ impl<'a> Gather<'a> {
         tally: &mut CameraTally,
     ) -> Found {
         let Some(vicinity) = vicinity.as_mut().filter(|_| built::CAUSTICS) else {
-            stream.skip();
+            stream.skip(1);
             return Found::default();
         };
         let unit = self.scale * width;

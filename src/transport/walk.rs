@@ -104,6 +104,10 @@ impl Walker {
             } = met;
             self.depth += 1;
             self.length += met.hit.t;
+            // Most walks end here, without a look at what glass would do.
+            if !material.is_specular() {
+                return End::Surface { point, material };
+            }
             let Some(lobes) = lobes(&material, &point, self.ray.dir, Carried::Radiance) else {
                 return End::Surface { point, material };
             };
