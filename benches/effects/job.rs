@@ -33,8 +33,17 @@ const TRIES: u32 = 5;
 #[derive(Clone)]
 pub(crate) struct Job {
     scene: String,
-    said: Option<(Effect, Choice)>,
+    said: Option<(Effect, Said)>,
     passes: u32,
+}
+
+/// What is said about an effect.
+#[derive(Clone, Copy, PartialEq)]
+pub(crate) enum Said {
+    /// It is worked out, in vain or not.
+    On,
+    /// The scene has nothing of it: see [`scenes::take_out`].
+    Gone,
 }
 
 /// What a process found.
@@ -57,9 +66,9 @@ impl Job {
         }
     }
 
-    pub(crate) fn said(self, effect: Effect, choice: Choice) -> Self {
+    pub(crate) fn said(self, effect: Effect, said: Said) -> Self {
         Self {
-            said: Some((effect, choice)),
+            said: Some((effect, said)),
             ..self
         }
     }
@@ -72,14 +81,14 @@ impl Job {
     pub(crate) fn of_this_process() -> Option<Self> {
         let text = env::var(JOB).ok()?;
         let words: Vec<&str> = text.split(';').collect();
-        let &[scene, effect, choice, passes] = words.as_slice() else {
+        let &[scene, effect, said, passes] = words.as_slice() else {
             panic!("malformed job {text}");
         };
         Some(Self {
             scene: scene.to_owned(),
             said: Effect::named(effect).map(|e| {
-                let is_on = choice == "on";
-                (e, if is_on { Choice::On } else { Choice::Off })
+                let is_on = said == "on";
+                (e, if is_on { Said::On } else { Said::Gone })
             }),
             passes: passes.parse().unwrap_or_else(|e| panic!("{e}")),
         })
@@ -91,13 +100,15 @@ impl Job {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(1);
         let pool = pool.use_current_thread();
         pool.build_global().unwrap_or_else(|e| panic!("{e}"));
-        let scene = scenes::named(&self.scene);
+        let mut scene = scenes::named(&self.scene);
         let mut settings = Settings {
             photons: Some(PHOTONS),
             ..scene.settings.clone()
         };
-        if let Some((effect, choice)) = self.said {
-            settings.effects.set(effect, choice);
+        match self.said {
+            Some((effect, Said::On)) => settings.effects.set(effect, Choice::On),
+            Some((effect, Said::Gone)) => scenes::take_out(&mut scene, &mut settings, effect),
+            None => {}
         }
         let renderer = Renderer::new(&scene, &settings, SIZE, [0, 0, SIZE[0], SIZE[1]]);
         let mut sums = vec![Rgb::BLACK; (SIZE[0] * SIZE[1]) as usize];
@@ -175,12 +186,12 @@ impl Job {
 
 impl fmt::Display for Job {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let (effect, choice) = match self.said {
+        let (effect, said) = match self.said {
             None => ("", ""),
-            Some((effect, Choice::On)) => (effect.name(), "on"),
-            Some((effect, _)) => (effect.name(), "off"),
+            Some((effect, Said::On)) => (effect.name(), "on"),
+            Some((effect, Said::Gone)) => (effect.name(), "gone"),
         };
-        write!(f, "{};{effect};{choice};{}", self.scene, self.passes)
+        write!(f, "{};{effect};{said};{}", self.scene, self.passes)
     }
 }
 

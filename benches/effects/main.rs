@@ -7,7 +7,8 @@
 //! scenes lack, and sets the builds side by side; `-- --builds mirrors panes`
 //! does so for single effects, and `-- --builds all` for every one, which takes
 //! a build of some minutes each. `-- --builds --pairs 31` times the builds in
-//! turns, too.
+//! turns, too. `-- --price` says what effects take and bring in scenes that
+//! call for them.
 //!
 //! Every number is a process of its own that runs a number of passes on one
 //! thread; what a pass takes is the difference between two such numbers, so
@@ -25,9 +26,9 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use nephroid::scene::{Choice, Effect};
+use nephroid::scene::Effect;
 
-use job::{Job, has_valgrind};
+use job::{Job, Said, has_valgrind};
 
 /// Effects that can be forced on, each in a scene that does not call for it.
 /// In the last one a glass ball is where no light reaches: the plan knows, the
@@ -62,29 +63,25 @@ fn main() {
     match words.split_first() {
         None => switched(),
         Some((first, names)) if first == "--builds" => builds::compare(names),
-        Some((word, _)) => panic!("{word}: only --builds is known"),
+        Some((first, _)) if first == "--price" => price::table(&[]),
+        Some((word, _)) => panic!("{word}: there are --builds and --price"),
     }
 }
 
 /// As planned beside forced on, and switched off beside as planned.
 fn switched() {
     let program = this_program();
-    let cost = |scene: &str, effect, choice| {
-        let job = Job::new(scene);
-        let job = match choice {
-            Choice::Auto => job,
-            said => job.said(effect, said),
-        };
-        job.cost(&program)
-    };
+    let cost = |job: Job| job.cost(&program);
     say("\nproved away             as planned     forced on    share");
     for (effect, scene) in IN_VAIN {
-        let [plan, on] = [Choice::Auto, Choice::On].map(|said| cost(scene, effect, said));
+        let job = Job::new(scene);
+        let [plan, on] = [job.clone(), job.said(effect, Said::On)].map(cost);
         row(effect.title(), scene, plan, on);
     }
     say("\ncalled for            switched off    as planned    share");
     for (effect, scene) in CALLED_FOR {
-        let [off, plan] = [Choice::Off, Choice::Auto].map(|said| cost(scene, effect, said));
+        let job = Job::new(scene);
+        let [plan, off] = [job.clone(), job.said(effect, Said::Gone)].map(cost);
         row(effect.title(), scene, off, plan);
     }
 }

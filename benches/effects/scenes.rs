@@ -2,7 +2,12 @@
 
 use std::path::{Path, PathBuf};
 
-use nephroid::scene::{Scene, load, load_str};
+use nephroid::{
+    light::Light,
+    material::Material,
+    scene::{Choice, Effect, Scene, Settings, load, load_str},
+    spectrum::Rgb,
+};
 
 /// A scene by what is in it.
 pub(crate) struct Case {
@@ -71,4 +76,52 @@ pub(crate) fn named(name: &str) -> Scene {
 fn shipped(name: &str) -> PathBuf {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes");
     folder.join(name).with_extension("ron")
+}
+
+/// Whether [`take_out`] knows how.
+pub(crate) fn can_take_out(effect: Effect) -> bool {
+    !matches!(
+        effect,
+        Effect::Sources | Effect::TotalReflection | Effect::Nesting | Effect::ShadingNormals
+    )
+}
+
+/// Makes a scene of which nobody sees the effect: it is switched off, or the
+/// lights that bring it are dark, or the objects that show it are black.
+pub(crate) fn take_out(scene: &mut Scene, settings: &mut Settings, effect: Effect) {
+    let is_meant = |material: &Material| match effect {
+        Effect::Mirrors => matches!(material, Material::Mirror { .. }),
+        Effect::Panes => material.is_straight(),
+        Effect::Refraction => matches!(material, Material::Dielectric { thin: false, .. }),
+        _ => false,
+    };
+    for object in scene.objects.iter_mut().filter(|o| is_meant(&o.material)) {
+        object.material = Material::Black;
+    }
+    for light in scene.lights.iter_mut().map(|l| &mut l.light) {
+        let shadows = if light.has_extent() {
+            Effect::SoftShadows
+        } else {
+            Effect::HardShadows
+        };
+        if effect == shadows {
+            darken(light);
+        }
+    }
+    if Choice::Off.suits(effect) {
+        settings.effects.set(effect, Choice::Off);
+    }
+}
+
+fn darken(light: &mut Light) {
+    let shine = match light {
+        Light::Point(l) => &mut l.intensity,
+        Light::Spot(l) => &mut l.intensity,
+        Light::Beam(l) => &mut l.irradiance,
+        Light::Sun(l) => &mut l.irradiance,
+        Light::Sphere(l) => &mut l.radiance,
+        Light::Quad(l) => &mut l.radiance,
+        Light::Disc(l) => &mut l.radiance,
+    };
+    *shine = Rgb::BLACK;
 }
