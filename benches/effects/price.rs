@@ -19,18 +19,18 @@ const TRUTH: u32 = 256;
 /// Scenes that call for an effect.
 fn calling(effect: Effect) -> &'static [&'static str] {
     match effect {
-        Effect::Sources => &["ball_lens", "hall_of_mirrors"],
+        Effect::Sources => &["hall_of_mirrors", "cornell_glass"],
         Effect::HardShadows => &["soft_shadow", "prism"],
         Effect::SoftShadows => &["soft_shadow", "glass_sphere"],
         Effect::Caustics => &["glass_sphere", "pool", "cup"],
-        Effect::Indirect => &["cornell_glass", "cup", "glass_sphere"],
+        Effect::Indirect => &["cornell_glass", "gem"],
         Effect::Mirrors => &["cup", "hall_of_mirrors"],
         Effect::Refraction => &["glass_sphere", "pool"],
-        Effect::TotalReflection => &["light_guide", "prism"],
-        Effect::Panes => &["pane, lamp"],
-        Effect::Nesting => &["water_glass", "glasses"],
-        Effect::ShadingNormals => &["tumbler", "plano_convex_lens"],
-        Effect::Glints => &["cup", "gem"],
+        Effect::TotalReflection => &["light_guide", "gem"],
+        Effect::Panes => &["pane, lamp", "water_glass"],
+        Effect::Nesting => &["water_glass"],
+        Effect::ShadingNormals => &["tumbler", "pool"],
+        Effect::Glints => &["hall_of_mirrors", "water_glass"],
     }
 }
 
