@@ -21,7 +21,7 @@ fn calling(effect: Effect) -> &'static [&'static str] {
     match effect {
         Effect::Sources => &["hall_of_mirrors", "cornell_glass"],
         Effect::HardShadows => &["soft_shadow", "prism"],
-        Effect::SoftShadows => &["soft_shadow", "glass_sphere"],
+        Effect::SoftShadows => &["soft_shadow"],
         Effect::Caustics => &["glass_sphere", "pool", "cup"],
         Effect::Indirect => &["cornell_glass", "gem"],
         Effect::Mirrors => &["cup", "hall_of_mirrors"],
