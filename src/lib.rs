@@ -1,6 +1,7 @@
 //! nephroid: a photon-mapping renderer for caustics that states what accuracy
 //! costs in time.
 
+mod built;
 pub mod camera;
 pub mod design;
 pub mod film;

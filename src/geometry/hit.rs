@@ -2,6 +2,8 @@
 
 use glam::DVec3;
 
+use crate::built;
+
 use super::{Ray, SurfaceId};
 
 /// A cheap hit: enough to order hits along a ray and to find the rest later.
@@ -34,6 +36,23 @@ pub struct SurfacePoint {
 }
 
 impl SurfacePoint {
+    /// The shading normal; that of the geometry in a build without smooth
+    /// normals.
+    #[inline]
+    pub fn ns(&self) -> DVec3 {
+        if built::SHADING_NORMALS {
+            self.ns
+        } else {
+            self.ng
+        }
+    }
+
+    /// Whether the shading normal is another one than that of the geometry.
+    #[inline]
+    pub fn is_smooth(&self) -> bool {
+        built::SHADING_NORMALS && self.ns != self.ng
+    }
+
     /// A ray leaving the point in unit direction `dir`, started on the side
     /// of the geometric normal towards which `dir` points (pbrt 4th ed.,
     /// section 6.8.6).

@@ -19,7 +19,7 @@ use super::{
     transform::unit,
     turning::outer,
 };
-use crate::numeric::gamma;
+use crate::{built, numeric::gamma};
 
 pub use self::{
     check::{MeshError, validate},
@@ -74,7 +74,9 @@ impl TriangleMesh {
         let mut mesh = Self {
             triangles: order.iter().map(|&i| triangles[i as usize]).collect(),
             positions,
-            normals: normals.map(|n| n.into_iter().map(unit).collect()),
+            normals: normals
+                .filter(|_| built::SHADING_NORMALS)
+                .map(|n| n.into_iter().map(unit).collect()),
             bvh,
             bounds: Aabb::EMPTY,
             sphere: BoundingSphere {
@@ -268,7 +270,7 @@ impl TriangleMesh {
     /// it; `None` if the mesh has none.
     #[inline]
     fn corner_normals(&self, triangle: &[u32; 3], ng: DVec3) -> Option<[DVec3; 3]> {
-        let normals = self.normals.as_ref()?;
+        let normals = self.normals.as_ref().filter(|_| built::SHADING_NORMALS)?;
         let [a, b, c] = *triangle;
         let at = |i: u32| {
             let n = normals[i as usize];

@@ -2,6 +2,8 @@
 
 use glam::DVec3;
 
+use crate::built;
+
 use super::{
     Aabb, BoundingSphere, Hit, Ray, Shape, Surface, SurfaceId, SurfacePoint, Transform,
     bvh::Bvh,
@@ -58,7 +60,11 @@ impl Instance {
         // A linear map of normals keeps the sign of ns . ng only when both
         // are the same; otherwise their angle may open.
         let ng = m.normal(own.ng);
-        let ns = m.normal(own.ns);
+        let ns = if built::SHADING_NORMALS && own.ns != own.ng {
+            m.normal(own.ns)
+        } else {
+            ng
+        };
         ShapePoint {
             p: m.point(own.p),
             error: m.point_error(own.p, own.error),

@@ -30,7 +30,7 @@ pub use sun::Sun;
 
 use glam::DVec3;
 
-use crate::spectrum::Rgb;
+use crate::{built, spectrum::Rgb};
 
 /// A light source, validated.
 #[derive(Clone, Debug)]
@@ -96,24 +96,31 @@ impl Light {
     /// `None` if none can arrive.
     pub fn sample_direct(&self, p: DVec3, u: [f64; 2]) -> Option<DirectSample> {
         match self {
-            Self::Point(l) => l.sample_direct(p),
-            Self::Spot(l) => l.sample_direct(p),
-            Self::Beam(l) => l.sample_direct(p),
-            Self::Sun(l) => l.sample_direct(u),
-            Self::Sphere(l) => l.sample_direct(p, u),
-            Self::Quad(l) => l.sample_direct(p, u),
-            Self::Disc(l) => l.sample_direct(p, u),
+            Self::Point(l) => built::HARD_SHADOWS.then(|| l.sample_direct(p))?,
+            Self::Spot(l) => built::HARD_SHADOWS.then(|| l.sample_direct(p))?,
+            Self::Beam(l) => built::HARD_SHADOWS.then(|| l.sample_direct(p))?,
+            Self::Sun(l) => self.is_built().then(|| l.sample_direct(u))?,
+            Self::Sphere(l) => built::SOFT_SHADOWS.then(|| l.sample_direct(p, u))?,
+            Self::Quad(l) => built::SOFT_SHADOWS.then(|| l.sample_direct(p, u))?,
+            Self::Disc(l) => built::SOFT_SHADOWS.then(|| l.sample_direct(p, u))?,
         }
     }
 
     /// Whether the light is seen under a solid angle, so that its shadows are
     /// soft and samples of it differ.
+    #[inline]
     pub fn has_extent(&self) -> bool {
         match self {
             Self::Point(_) | Self::Spot(_) | Self::Beam(_) => false,
             Self::Sun(l) => l.sin_half > 0.0,
             Self::Sphere(_) | Self::Quad(_) | Self::Disc(_) => true,
         }
+    }
+
+    /// Whether this build has the kind of shadows that the light casts.
+    fn is_built(&self) -> bool {
+        let (soft, hard) = (built::SOFT_SHADOWS, built::HARD_SHADOWS);
+        soft && hard || if self.has_extent() { soft } else { hard }
     }
 
     /// Radiance emitted from the light's surface into a direction at `cos_out`

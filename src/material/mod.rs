@@ -5,7 +5,7 @@
 //! are delta functions (light follows one or two directions), otherwise the
 //! lobe is finite and light can be gathered there.
 
-use crate::spectrum::Rgb;
+use crate::{built, spectrum::Rgb};
 
 /// A surface's scattering, validated: reflectances lie in `[0, 1]`, indices
 /// are above 0.
@@ -54,6 +54,18 @@ impl Material {
             },
             other => other,
         }
+    }
+
+    /// The material as far as this build has what it needs: black if not.
+    #[must_use]
+    pub(crate) fn as_built(self) -> Self {
+        let is_there = match self {
+            Self::Mirror { .. } => built::MIRRORS,
+            Self::Dielectric { .. } if self.is_straight() => built::PANES,
+            Self::Dielectric { .. } => built::REFRACTION,
+            Self::Diffuse { .. } | Self::Black => true,
+        };
+        if is_there { self } else { Self::Black }
     }
 
     /// Whether all lobes are delta functions and there is at least one.

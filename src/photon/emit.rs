@@ -57,7 +57,7 @@ impl Emitter {
     /// reach one. Lights get photons by the power that they send towards
     /// casters, found by a small pilot that is a function of the scene alone.
     pub fn new(ctx: &Context<'_>) -> Option<Self> {
-        if !ctx.plan.caustics {
+        if !ctx.plan.caustics() {
             return None;
         }
         let aims = aims(ctx);
@@ -68,7 +68,7 @@ impl Emitter {
     /// The same with shares by power alone: without a floor, what gets little
     /// power gets few photons.
     pub fn by_power(ctx: &Context<'_>) -> Option<Self> {
-        if !ctx.plan.caustics {
+        if !ctx.plan.caustics() {
             return None;
         }
         let aims = aims(ctx);
@@ -151,7 +151,7 @@ impl Emitter {
             );
         };
         launch.start.differential.chance = launch.chance * light_chance;
-        let media = match &ctx.plan.nest {
+        let media = match ctx.plan.nest() {
             Some(nested) => {
                 let start = &nested.starts.lights[light as usize];
                 start.at(&ctx.scene.world, launch.start.origin)

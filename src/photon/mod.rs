@@ -30,6 +30,7 @@ pub use footprint::Footprint;
 pub use gather::{gather, is_wall};
 pub use guide::{Lesson, Origin, Rehearsal};
 pub use map::{BYTES_PER_PHOTON, Ellipse, Gathered, Kernels, PhotonMap, Query, Vicinity};
+pub(crate) use shoot::shoot_for;
 pub use shoot::{Shot, shoot};
 pub use tally::{LightTally, Tally};
 pub use trace::{PHOTONS_PER_PATH, Photon, Step, Turn, trace};

@@ -3,9 +3,9 @@
 
 use rayon::prelude::*;
 
-use crate::{sampling::Sequence, transport::Context};
+use crate::{sampling::Sequence, scene::Kernel, transport::Context};
 
-use super::{Emitter, Photon, Tally, trace};
+use super::{Emitter, Photon, Tally, trace::trace_watched};
 
 /// Paths in a chunk: large enough to hide the scheduling, small enough to
 /// balance. The result does not depend on it except through the rounding of
@@ -73,11 +73,24 @@ pub fn shoot(
     first: u64,
     count: u64,
 ) -> Shot {
+    shoot_for(Kernel::Footprint, ctx, emitter, sequence, first, count)
+}
+
+/// The same for kernels of a kind: photons have footprints where these take
+/// their shape from them.
+pub(crate) fn shoot_for(
+    kernel: Kernel,
+    ctx: &Context<'_>,
+    emitter: &Emitter,
+    sequence: Sequence,
+    first: u64,
+    count: u64,
+) -> Shot {
     let chunks: Vec<(Vec<Photon>, Tally)> = (0..count.div_ceil(CHUNK))
         .into_par_iter()
         .map(|c| {
             let range = first + c * CHUNK..first + ((c + 1) * CHUNK).min(count);
-            shoot_chunk(ctx, emitter, sequence, range, count as f64)
+            shoot_chunk(kernel, ctx, emitter, sequence, range, count as f64)
         })
         .collect();
     let mut shot = Shot {
@@ -93,6 +106,7 @@ pub fn shoot(
 }
 
 fn shoot_chunk(
+    kernel: Kernel,
     ctx: &Context<'_>,
     emitter: &Emitter,
     sequence: Sequence,
@@ -106,9 +120,9 @@ fn shoot_chunk(
         let mut stream = sequence.at(index);
         let (emission, _) = &emitter.emit_from(ctx, &mut stream);
         let ledger = &mut tally.lights[emission.light as usize];
-        trace(ctx, emission, paths, &mut stream, ledger, &mut |photon| {
-            photons.push(photon);
-        });
+        let (watch, store) = (&mut |_| {}, &mut |photon| photons.push(photon));
+        let stream = &mut stream;
+        trace_watched(ctx, kernel, emission, paths, stream, ledger, watch, store);
     }
     (photons, tally)
 }

@@ -15,6 +15,7 @@ use crate::{
     material::Material,
     numeric::{Frame, VectorPair},
     sampling::{Stream, warp},
+    scene::Kernel,
     spectrum::Rgb,
     transport::{Carried, Context, Differential, Lobe, Met, Ways, media_beside, meet_in},
 };
@@ -92,12 +93,18 @@ pub fn trace(
     tally: &mut LightTally,
     store: &mut impl FnMut(Photon),
 ) {
-    trace_watched(ctx, emission, paths, stream, tally, &mut |_| {}, store);
+    let watch = &mut |_| {};
+    let kernel = Kernel::Footprint;
+    trace_watched(ctx, kernel, emission, paths, stream, tally, watch, store);
 }
 
-/// [`trace`] for someone who wants to know the surfaces met on the way.
+/// [`trace`] for someone who wants to know the surfaces met on the way. Where
+/// kernels are circles, photons have no footprints, and nothing is done to find
+/// any.
+#[allow(clippy::too_many_arguments, reason = "those of `trace`, and a watcher")]
 pub(super) fn trace_watched(
     ctx: &Context<'_>,
+    kernel: Kernel,
     emission: &Emission,
     paths: f64,
     stream: &mut Stream,
@@ -105,23 +112,26 @@ pub(super) fn trace_watched(
     watch: &mut impl FnMut(Step),
     store: &mut impl FnMut(Photon),
 ) {
-    if ctx.plan.nest.is_some() {
-        trace_in::<true>(ctx, emission, paths, stream, tally, watch, store);
-    } else {
-        trace_in::<false>(ctx, emission, paths, stream, tally, watch, store);
-    }
+    let trace = match (ctx.plan.nest().is_some(), kernel) {
+        (false, Kernel::Footprint) => trace_in::<false, true, _, _>,
+        (true, Kernel::Footprint) => trace_in::<true, true, _, _>,
+        (false, Kernel::Circle) => trace_in::<false, false, _, _>,
+        (true, Kernel::Circle) => trace_in::<true, false, _, _>,
+    };
+    trace(ctx, emission, paths, stream, tally, watch, store);
 }
 
-/// The same, where bodies of clear media may overlap or not (`NESTED`).
+/// The same, where bodies of clear media may overlap or not (`NESTED`), for
+/// photons that have footprints or do not (`SPREAD`).
 #[inline]
-fn trace_in<const NESTED: bool>(
+fn trace_in<const NESTED: bool, const SPREAD: bool, W: FnMut(Step), S: FnMut(Photon)>(
     ctx: &Context<'_>,
     emission: &Emission,
     paths: f64,
     stream: &mut Stream,
     tally: &mut LightTally,
-    watch: &mut impl FnMut(Step),
-    store: &mut impl FnMut(Photon),
+    watch: &mut W,
+    store: &mut S,
 ) {
     let mut flux = emission.flux;
     tally.paths += 1;
@@ -144,7 +154,9 @@ fn trace_in<const NESTED: bool>(
             point,
             material,
         } = met;
-        differential.transfer(ray.dir, hit.t, point.ng);
+        if SPREAD {
+            differential.transfer(ray.dir, hit.t, point.ng);
+        }
         if depth == 0 {
             tally.landed_paths += 1;
         }
@@ -165,8 +177,10 @@ fn trace_in<const NESTED: bool>(
             let turn = Turn::along(&lobe);
             watch(Step { turn, ..step });
             differential.chance *= lobe.share;
-            way.push(hit.surface.instance, &lobe.bend);
-            if lobe.is_bent() {
+            if SPREAD {
+                way.push(hit.surface.instance, &lobe.bend);
+            }
+            if SPREAD && lobe.is_bent() {
                 let turning = ctx.scene.world.turning(&hit, &point);
                 differential.bend(ray.dir, &lobe.bend, &turning);
             }
@@ -181,7 +195,7 @@ fn trace_in<const NESTED: bool>(
                 return;
             };
             let fold = (!bounced).then_some((&way, emission, hit.surface.instance));
-            let footprint = patch::<NESTED>(ctx, &differential, paths, &landed, fold);
+            let footprint = patch::<NESTED, SPREAD>(ctx, &differential, paths, &landed, fold);
             store(Photon {
                 footprint,
                 bounced,
@@ -190,7 +204,7 @@ fn trace_in<const NESTED: bool>(
             let Material::Diffuse { reflectance } = material else {
                 return;
             };
-            if bounced || !ctx.plan.indirect {
+            if bounced || !ctx.plan.indirect() {
                 return;
             }
             flux = landed.flux * reflectance;
@@ -202,16 +216,16 @@ fn trace_in<const NESTED: bool>(
             let local = warp::cosine_hemisphere(stream.next_2d());
             let frame = Frame::around(landed.normal);
             let direction = frame.to_world(local).normalize();
-            differential.restart(cosine_cell(&frame, local));
+            if SPREAD {
+                differential.restart(cosine_cell(&frame, local));
+            }
             (direction, reflectance.max())
         };
         if q < 1.0 {
-            if stream.next_1d() >= q {
-                tally.roulette_loss += flux.mean();
+            let Some(survived) = play(flux, q, stream.next_1d(), tally) else {
                 return;
-            }
-            tally.roulette_gain += flux.mean() * (1.0 / q - 1.0);
-            flux = flux / q;
+            };
+            flux = survived;
             differential.chance *= q;
         }
         if NESTED {
@@ -223,16 +237,31 @@ fn trace_in<const NESTED: bool>(
     tally.truncated_paths += 1;
 }
 
+/// The flux of a photon that survives with chance `q`; `None` if `u` ends it.
+#[inline]
+fn play(flux: Rgb, q: f64, u: f64, tally: &mut LightTally) -> Option<Rgb> {
+    if u >= q {
+        tally.roulette_loss += flux.mean();
+        return None;
+    }
+    tally.roulette_gain += flux.mean() * (1.0 / q - 1.0);
+    Some(flux / q)
+}
+
 /// The patch that a photon stands for, by its derivatives; with a fold ahead if
 /// the photon's way, its start and the object on which it landed are given.
+/// Nothing for photons without footprints.
 #[inline]
-fn patch<const NESTED: bool>(
+fn patch<const NESTED: bool, const SPREAD: bool>(
     ctx: &Context<'_>,
     differential: &Differential,
     paths: f64,
     landed: &Photon,
     fold: Option<(&Way, &Emission, u32)>,
 ) -> Option<Footprint> {
+    if !SPREAD {
+        return None;
+    }
     let (mut footprint, rim) = Footprint::with_rim(differential, paths, landed.normal)?;
     if let (Some(rim), Some((way, emission, last))) = (rim, fold)
         && let Some(p) = way.follow::<NESTED>(ctx, emission, &rim, last)
@@ -288,7 +317,7 @@ fn land(
         return None;
     }
     let (mut normal, mut factor) = (point.ng, 1.0);
-    if point.ns != point.ng {
+    if point.is_smooth() {
         let ratio = d.dot(point.ns) / d.dot(point.ng);
         factor = if ratio.is_finite() {
             ratio.max(0.0)

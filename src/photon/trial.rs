@@ -5,6 +5,7 @@ use std::ops::Range;
 use crate::{
     geometry::Ray,
     sampling::{Sequence, Stream},
+    scene::Kernel,
     transport::Context,
 };
 
@@ -32,7 +33,7 @@ pub struct Story {
 /// Paths and their photons.
 #[derive(Clone, Debug, Default)]
 pub struct Trial {
-    /// Photons in path order.
+    /// Photons in path order, without footprints.
     pub photons: Vec<Photon>,
     /// One a path, in order.
     pub stories: Vec<Story>,
@@ -65,8 +66,10 @@ impl Trial {
         let before = self.photons.len();
         let mut ledger = LightTally::default();
         let (mut first, mut caster, mut surfaces, mut ended) = (None, None, 0, false);
+        // Nobody gathers these photons.
         trace_watched(
             ctx,
+            Kernel::Circle,
             &emission,
             paths,
             &mut stream,

@@ -3,6 +3,7 @@
 //! One arm an effect: what in the scene calls for it, or why nothing does.
 
 use crate::{
+    built,
     geometry::{BoundingSphere, Shape},
     light::Light,
     material::Material,
@@ -44,6 +45,7 @@ pub fn judge(scene: &Scene, settings: &Settings) -> Vec<Verdict> {
             let called_for = proof.is_ok();
             let (Ok(why) | Err(why)) = proof;
             let (on, by) = match settings.choice(effect) {
+                _ if !built::has(effect.name()) => (false, By::User),
                 Choice::Auto => (called_for, By::Scene),
                 Choice::Off if !called_for => (false, By::Scene),
                 Choice::Off => (false, By::User),

@@ -1,7 +1,9 @@
 //! The bodies of clear media in which a point lies.
 
+use crate::built;
+
 /// Most bodies that are remembered at once.
-pub const MOST_MEDIA: usize = 7;
+pub const MOST_MEDIA: usize = if built::NESTING { 7 } else { 0 };
 
 /// The bodies of clear media in which a point lies, by rank: the one of the
 /// highest rank fills the place.

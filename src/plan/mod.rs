@@ -20,6 +20,7 @@ pub use starts::{Starts, extent};
 pub use typical::film_quantum;
 
 use crate::{
+    built,
     light::Light,
     material::Material,
     scene::{Choice, Effect, Scene, Settings},
@@ -99,9 +100,9 @@ impl Plan {
     /// without what the user leaves out.
     pub fn new(scene: &Scene, settings: &Settings) -> Self {
         let is_off = |effect| settings.choice(effect) == Choice::Off;
-        let overlap = Nest::of(scene).may_overlap(&scene.world);
-        let contact = contact::first_contact(scene).is_some();
-        let nest = (overlap || contact).then(|| Nested::new(scene));
+        let overlap = built::NESTING && Nest::of(scene).may_overlap(&scene.world);
+        let touches = || built::NESTING && contact::first_contact(scene).is_some();
+        let nest = (overlap || touches()).then(|| Nested::new(scene));
         let casters = casters(scene, overlap);
         let reach = Reach::new(scene);
         let lit: Vec<Lit> = (0..scene.lights.len())
@@ -127,9 +128,11 @@ impl Plan {
                 .collect(),
             straight_surfaces: nest.is_some()
                 || scene.objects.iter().any(|o| o.material.is_straight()),
-            caustics: lit.iter().any(some_lit) && !is_off(Effect::Caustics),
-            indirect: judge::between_diffuse(scene).is_ok() && !is_off(Effect::Indirect),
-            glints: judge::glinting(scene).is_ok() && !is_off(Effect::Glints),
+            caustics: built::CAUSTICS && lit.iter().any(some_lit) && !is_off(Effect::Caustics),
+            indirect: built::INDIRECT
+                && judge::between_diffuse(scene).is_ok()
+                && !is_off(Effect::Indirect),
+            glints: built::GLINTS && judge::glinting(scene).is_ok() && !is_off(Effect::Glints),
             casters,
             lit,
             nest,
@@ -155,6 +158,37 @@ impl Plan {
                 ..self.clone()
             }
         })
+    }
+
+    /// The bodies, if any may overlap or touch. This and the other questions of paths are
+    /// answered when compiling in a build that lacks the effect.
+    #[inline]
+    pub fn nest(&self) -> Option<&Nested> {
+        self.nest.as_ref().filter(|_| built::NESTING)
+    }
+
+    /// Whether shadow rays must look what they cross.
+    #[inline]
+    pub fn straight_surfaces(&self) -> bool {
+        (built::PANES || built::NESTING) && self.straight_surfaces
+    }
+
+    /// Whether caustic photons are traced.
+    #[inline]
+    pub fn caustics(&self) -> bool {
+        built::CAUSTICS && self.caustics
+    }
+
+    /// Whether light between diffuse surfaces is simulated.
+    #[inline]
+    pub fn indirect(&self) -> bool {
+        built::INDIRECT && self.indirect
+    }
+
+    /// Whether small images of sources are looked for.
+    #[inline]
+    pub fn glints(&self) -> bool {
+        built::GLINTS && self.glints
     }
 
     /// The lights' casters that the plan has proved to be none: what is aimed

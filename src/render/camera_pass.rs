@@ -5,6 +5,7 @@ use glam::DVec2;
 use rayon::prelude::*;
 
 use crate::{
+    built,
     film::{Layer, PixelSample},
     geometry::Ray,
     photon::{Emitter, shoot},
@@ -147,7 +148,7 @@ impl Renderer<'_> {
     /// Pixels in which sources may glint: those of the window and of what is
     /// sampled around it.
     pub(super) fn find_glints(&self) -> Vec<bool> {
-        if !self.plan().glints {
+        if !self.plan().glints() {
             return Vec::new();
         }
         let window = self.window().grown(self.resolution);
@@ -262,7 +263,7 @@ impl Renderer<'_> {
                     }
                     sample = sample / f64::from(n + 1);
                 }
-                if self.glinting.get(i) == Some(&true) {
+                if built::GLINTS && self.glinting.get(i) == Some(&true) {
                     sample[Layer::Emission] =
                         self.glints(gather, round, replicate, [px, py], tally);
                 }

@@ -5,6 +5,7 @@ use std::f64::consts::FRAC_1_PI;
 use glam::DVec3;
 
 use crate::{
+    built,
     camera::Footprint,
     film::{Layer, PixelSample},
     geometry::Ray,
@@ -93,7 +94,7 @@ fn add_blur(sum: &mut [f64; 2], more: [f64; 2]) {
 impl<'a> Gather<'a> {
     /// Asks the photons for samples that follow each other closely.
     pub(super) fn vicinity(&self) -> Option<Vicinity<'a>> {
-        self.map.map(Vicinity::new)
+        self.map.filter(|_| built::CAUSTICS).map(Vicinity::new)
     }
 
     /// Light through a film position, by layer.
@@ -165,6 +166,9 @@ impl<'a> Gather<'a> {
 
     /// What a walk sees of a source at its end.
     pub(super) fn source(&self, walker: &Walker, end: &End) -> Rgb {
+        if !built::SOURCES {
+            return Rgb::BLACK;
+        }
         let lights = &self.ctx.scene.lights;
         let radiance = match end {
             End::Escaped => {
@@ -204,18 +208,30 @@ impl<'a> Gather<'a> {
     ) -> PixelSample {
         let mut sample = PixelSample::default();
         let mut here = coordinates::shading(stream, k);
-        let (bounce, goes_on) = (here.next_2d(), here.next_1d());
-        let width = self.footprint.width + self.footprint.spread * walker.length;
-        let found = self.gathered(at, width, true, &mut here, vicinity, tally);
-        sample[Layer::Caustic] += walker.throughput * found.light[0];
-        sample.blur = found.blur(0, walker.throughput);
+        // Numbers that nobody needs are passed over: others keep their meaning.
+        let further = if self.ctx.plan.indirect() {
+            Some((here.next_2d(), here.next_1d()))
+        } else {
+            here.skip(3);
+            None
+        };
+        let found = if vicinity.is_some() {
+            let width = self.footprint.width + self.footprint.spread * walker.length;
+            let found = self.gathered(at, width, true, &mut here, vicinity, tally);
+            sample[Layer::Caustic] += walker.throughput * found.light[0];
+            sample.blur = found.blur(0, walker.throughput);
+            found
+        } else {
+            here.skip(1);
+            Found::default()
+        };
         let rays = self.shadow_rays(walker);
         tally.rays += u64::from(rays);
         let direct = direct_light(&self.ctx, at, &mut here, rays);
         sample[Layer::Direct] += walker.throughput * direct;
-        if !self.ctx.plan.indirect {
+        let Some((bounce, goes_on)) = further else {
             return sample;
-        }
+        };
         sample[Layer::Indirect] += walker.throughput * found.light[1];
         add_blur(&mut sample.blur, found.blur(1, walker.throughput));
         // A path that carries little goes on as seldom.
@@ -248,8 +264,8 @@ impl<'a> Gather<'a> {
         vicinity: &mut Option<Vicinity<'_>>,
         tally: &mut CameraTally,
     ) -> Found {
-        let Some(vicinity) = vicinity else {
-            stream.skip();
+        let Some(vicinity) = vicinity.as_mut().filter(|_| built::CAUSTICS) else {
+            stream.skip(1);
             return Found::default();
         };
         let unit = self.scale * width;

@@ -81,7 +81,7 @@ pub(super) fn reach(ctx: &Context<'_>, ray: Ray, beam: Beam, stream: &mut Stream
         });
         let local = warp::cosine_hemisphere(stream.next_2d());
         let dir = Frame::around(at.ns).to_world(local).normalize();
-        if !ctx.plan.indirect || dir.dot(at.ng) <= 0.0 {
+        if !ctx.plan.indirect() || dir.dot(at.ng) <= 0.0 {
             break;
         }
         path.ray = point.spawn(dir);

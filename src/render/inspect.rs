@@ -132,7 +132,7 @@ impl Renderer<'_> {
         mut found: impl FnMut(&Sight),
     ) {
         let gather = self.scout(map, 0);
-        let glints = self.plan().glints.then(|| Glints::new(self.scene));
+        let glints = self.plan().glints().then(|| Glints::new(self.scene));
         let mut near = gather.vicinity();
         for i in 0..count {
             let stream = sequence.at(i);
@@ -165,7 +165,7 @@ impl Renderer<'_> {
                 point,
                 material: Material::Diffuse { reflectance },
             } => {
-                sight.passed.smooth |= point.ns != point.ng;
+                sight.passed.smooth |= point.is_smooth();
                 let at = DiffusePoint::new(*point, walker.ray.dir, *reflectance, walker.media);
                 let mut tally = CameraTally::default();
                 sight.light = gather.shade(&walker, &at, stream, 0, near, &mut tally);
@@ -222,7 +222,7 @@ impl Sight {
                 }
                 Material::Diffuse { .. } | Material::Black => {}
             }
-            passed.smooth |= point.ns != point.ng;
+            passed.smooth |= point.is_smooth();
             walker.throughput *= lobe.weight;
             walker.strength *= lobe.weight.max() / lobe.index;
             walker.media = media_beside(ctx, walker.media, &point, lobe.dir);

@@ -35,7 +35,7 @@ impl Renderer<'_> {
         let ctx = self.called_for();
         let lights = ctx.scene.lights.len();
         // A ray for each light where the eye looks, one for all beyond.
-        if lights < 2 || (lights <= MOST_SHADOW_RAYS && !ctx.plan.indirect) {
+        if lights < 2 || (lights <= MOST_SHADOW_RAYS && !ctx.plan.indirect()) {
             return ctx.picker.clone();
         }
         let [least, most] = PATHS;
@@ -73,7 +73,7 @@ fn follow(ctx: &Context<'_>, mut path: Walker, stream: &mut Stream) -> Sent {
             .collect();
         let local = warp::cosine_hemisphere(stream.next_2d());
         let dir = Frame::around(at.ns).to_world(local).normalize();
-        if !ctx.plan.indirect || dir.dot(at.ng) <= 0.0 {
+        if !ctx.plan.indirect() || dir.dot(at.ng) <= 0.0 {
             break;
         }
         path.throughput *= reflectance;

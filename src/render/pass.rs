@@ -3,10 +3,10 @@
 
 use crate::{
     film::PixelSample,
-    photon::{Emitter, PhotonMap, Shot, Tally, shoot},
+    photon::{Emitter, PhotonMap, Shot, Tally, shoot_for},
     plan::Plan,
     sampling::{Purpose, Sequence},
-    scene::{Choice, Effect, Guidance, Kernel, Sampler, Scene, Settings},
+    scene::{Choice, Effect, Guidance, Sampler, Scene, Settings},
     transport::{Context, LightPicker},
 };
 
@@ -217,11 +217,18 @@ impl<'a> Renderer<'a> {
     /// The photon half of a pass.
     pub fn shoot(&self, round: u32, replicate: u32) -> Shot {
         let sequence = |k| self.sequence(Purpose::Photon, replicate, k);
-        let ctx = self.context();
+        let (ctx, kernel) = (self.context(), self.settings.kernel);
         let mut shot = match self.stage_of(round) {
             Some(stage) => {
                 let first = stage.first_path(round);
-                shoot(&ctx, &stage.emitter, sequence(0), first, stage.photons)
+                shoot_for(
+                    kernel,
+                    &ctx,
+                    &stage.emitter,
+                    sequence(0),
+                    first,
+                    stage.photons,
+                )
             }
             None => Shot {
                 tally: Tally::new(self.scene.lights.len()),
@@ -230,13 +237,8 @@ impl<'a> Renderer<'a> {
         };
         if let Some(emitter) = self.forced.as_ref().and_then(|f| f.emitter.as_ref()) {
             let first = u64::from(round) * FEWEST_PHOTONS;
-            let vain = shoot(&ctx, emitter, sequence(1), first, FEWEST_PHOTONS);
+            let vain = shoot_for(kernel, &ctx, emitter, sequence(1), first, FEWEST_PHOTONS);
             shot.join(&vain);
-        }
-        if self.settings.kernel == Kernel::Circle {
-            for photon in &mut shot.photons {
-                photon.footprint = None;
-            }
         }
         shot
     }

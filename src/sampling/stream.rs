@@ -136,14 +136,17 @@ impl Stream {
         }
     }
 
-    /// Passes over the next coordinate: nobody asks for it, but those behind it
+    /// Passes over the next coordinates: nobody asks for them, but those behind
     /// keep their meaning.
     #[inline]
-    pub fn skip(&mut self) {
-        if self.dimension == self.window[0] {
+    pub fn skip(&mut self, count: u32) {
+        let left = self.window[0].wrapping_sub(self.dimension);
+        if count > left {
             *self = self.window(self.window[1]..u32::MAX, u32::MAX);
+            self.dimension += count - left;
+        } else {
+            self.dimension += count;
         }
-        self.dimension += 1;
     }
 
     /// The next two coordinates.
@@ -220,6 +223,12 @@ mod tests {
         let mut window = a.window(3..5, 70);
         for d in [3, 4, 70, 71] {
             assert_eq!(window.next_1d(), first[d], "through a window");
+        }
+        for count in 0..5 {
+            let mut window = a.window(3..5, 70);
+            window.skip(count);
+            let next = [3, 4, 70, 71, 72][count as usize];
+            assert_eq!(window.next_1d(), first[next], "past {count}");
         }
         let mut c = Sequence::new(7, Purpose::Photon, 4, 0).at(12345);
         assert_ne!(c.next_1d(), first[0], "replicates differ");

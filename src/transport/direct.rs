@@ -5,6 +5,7 @@ use std::f64::consts::{FRAC_1_PI, PI};
 use glam::DVec3;
 
 use crate::{
+    built,
     geometry::SurfacePoint,
     light::Light,
     plan::Media,
@@ -35,9 +36,9 @@ impl DiffusePoint {
     pub fn new(point: SurfacePoint, d: DVec3, reflectance: Rgb, media: Media) -> Self {
         let flip = point.ng.dot(d) > 0.0;
         let (ng, ns) = if flip {
-            (-point.ng, -point.ns)
+            (-point.ng, -point.ns())
         } else {
-            (point.ng, point.ns)
+            (point.ng, point.ns())
         };
         Self {
             point,
@@ -160,10 +161,10 @@ fn each_light(
     if lights <= rays as usize {
         let share = rays / lights.max(1) as u32;
         for (i, light) in ctx.scene.lights.iter().enumerate() {
-            let count = if light.light.has_extent() { share } else { 1 };
+            let count = if is_soft(&light.light) { share } else { 1 };
             let mut one = Rgb::BLACK;
             for _ in 0..count {
-                one += from_light(ctx, at, i, stream.next_2d());
+                one += from_light(ctx, at, i, place_on(&light.light, stream));
             }
             add(i, one / f64::from(count), count);
         }
@@ -173,8 +174,31 @@ fn each_light(
             // One stratum of the table for each ray.
             let (i, _) = table.sample((f64::from(k) + u) / f64::from(rays));
             let weight = 1.0 / (table.probability(i) * f64::from(rays));
-            add(i, from_light(ctx, at, i, stream.next_2d()) * weight, 1);
+            let u = place_on(&ctx.scene.lights[i].light, stream);
+            add(i, from_light(ctx, at, i, u) * weight, 1);
         }
+    }
+}
+
+/// Whether samples of a light differ.
+#[inline]
+fn is_soft(light: &Light) -> bool {
+    built::SOFT_SHADOWS && (!built::HARD_SHADOWS || light.has_extent())
+}
+
+/// What chooses a point of a light. Those without extent have only one: nothing
+/// is drawn, and later numbers keep their meaning.
+#[allow(
+    clippy::inline_always,
+    reason = "a call would cost as much as it saves where nothing is drawn"
+)]
+#[inline(always)]
+fn place_on(light: &Light, stream: &mut Stream) -> [f64; 2] {
+    if is_soft(light) {
+        stream.next_2d()
+    } else {
+        stream.skip(2);
+        [0.0; 2]
     }
 }
 

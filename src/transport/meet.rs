@@ -33,7 +33,7 @@ pub struct Met {
 /// bodies in which it starts; they become those before the surface, but for
 /// the body that it belongs to.
 pub fn meet(ctx: &Context<'_>, ray: &Ray, t_max: f64, media: &mut Media) -> Option<Met> {
-    if ctx.plan.nest.is_some() {
+    if ctx.plan.nest().is_some() {
         meet_in::<true>(ctx, ray, t_max, media)
     } else {
         meet_in::<false>(ctx, ray, t_max, media)
@@ -68,7 +68,7 @@ pub(crate) fn meet_in<const NESTED: bool>(
 /// `dir`.
 #[inline]
 pub fn media_beside(ctx: &Context<'_>, media: Media, point: &SurfacePoint, dir: DVec3) -> Media {
-    match &ctx.plan.nest {
+    match ctx.plan.nest() {
         None => media,
         Some(nested) => {
             let inside = point.ng.dot(dir) < 0.0;
@@ -86,7 +86,7 @@ const MOST_HIDDEN: u32 = 1 << 20;
 fn meet_nested(ctx: &Context<'_>, mut ray: Ray, t_max: f64, media: &mut Media) -> Option<Met> {
     let world = &ctx.scene.world;
     // Only asked for where there is one.
-    let nest = &ctx.plan.nest.as_ref()?.nest;
+    let nest = &ctx.plan.nest()?.nest;
     let mut way = 0.0;
     for _ in 0..MOST_HIDDEN {
         let (hit, crowded) = world.closest_and_crowd(&ray, t_max - way, NEAR)?;

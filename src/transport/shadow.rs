@@ -29,10 +29,10 @@ pub fn transmittance(
         },
         Source::Direction(wi) => (from.spawn(wi), f64::INFINITY),
     };
-    if ctx.plan.nest.is_some() {
+    if ctx.plan.nest().is_some() {
         return through_media(ctx, ray, distance, *media, body);
     }
-    if ctx.plan.straight_surfaces {
+    if ctx.plan.straight_surfaces() {
         return through_panes(ctx, ray, distance, body);
     }
     let blocked = ctx
@@ -62,7 +62,7 @@ fn through_panes(ctx: &Context<'_>, mut ray: Ray, mut distance: f64, body: Optio
         }
         let point = world.surface(&ray, &hit);
         if thin {
-            transmittance *= optics::pane_transmittance(ray.dir.dot(point.ns).abs(), ior);
+            transmittance *= optics::pane_transmittance(ray.dir.dot(point.ns()).abs(), ior);
         }
         let dir = ray.dir;
         ray = point.spawn(dir);
@@ -96,7 +96,7 @@ fn through_media(
             return 0.0;
         }
         if thin {
-            transmittance *= optics::pane_transmittance(ray.dir.dot(met.point.ns).abs(), ior);
+            transmittance *= optics::pane_transmittance(ray.dir.dot(met.point.ns()).abs(), ior);
         }
         media = media_beside(ctx, media, &met.point, ray.dir);
         ray = met.point.spawn(ray.dir);

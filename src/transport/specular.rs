@@ -3,6 +3,7 @@
 use glam::DVec3;
 
 use crate::{
+    built,
     geometry::SurfacePoint,
     material::Material,
     optics::{self, Interface},
@@ -150,21 +151,20 @@ impl Ways {
     #[inline]
     pub fn at(material: &Material, point: &SurfacePoint, d: DVec3) -> Option<Self> {
         Some(match *material {
-            Material::Mirror { reflectance } => Self::Back {
+            Material::Mirror { reflectance } => built::MIRRORS.then(|| Self::Back {
                 facing: Facing::new(point, d),
                 reflectance,
-            },
+            })?,
             Material::Dielectric {
                 ior, thin: true, ..
-            } => Self::through_pane(point, d, ior),
-            Material::Dielectric {
-                ior: 1.0,
-                thin: false,
-                ..
-            } => Self::Straight,
-            Material::Dielectric {
-                ior, thin: false, ..
-            } => Self::through_interface(point, d, ior),
+            } if built::PANES => Self::through_pane(point, d, ior),
+            // Bodies that touch may have equal indices, too.
+            Material::Dielectric { ior: 1.0, .. } if built::PANES || built::NESTING => {
+                Self::Straight
+            }
+            Material::Dielectric { ior, .. } => {
+                built::REFRACTION.then(|| Self::through_interface(point, d, ior))??
+            }
             Material::Diffuse { .. } | Material::Black => return None,
         })
     }
@@ -220,7 +220,7 @@ impl Ways {
     }
 
     #[inline]
-    fn through_interface(point: &SurfacePoint, d: DVec3, ior: f64) -> Self {
+    fn through_interface(point: &SurfacePoint, d: DVec3, ior: f64) -> Option<Self> {
         let mut facing = Facing::new(point, d);
         let eta = if point.ng.dot(d) < 0.0 {
             ior
@@ -237,16 +237,19 @@ impl Ways {
                 transmittance,
             } = optics::fresnel(-d.dot(ns), eta)
             else {
-                return Self::Back {
+                return built::TOTAL_REFLECTION.then_some(Self::Back {
                     facing,
                     reflectance: Rgb::WHITE,
-                };
+                });
             };
-            if ns != ng && optics::refract(d, ns, eta, cos_t).dot(ng) >= 0.0 {
+            if built::SHADING_NORMALS
+                && ns != ng
+                && optics::refract(d, ns, eta, cos_t).dot(ng) >= 0.0
+            {
                 facing = facing.flat();
                 continue;
             }
-            return Self::Interface {
+            return Some(Self::Interface {
                 facing,
                 split: Split {
                     eta,
@@ -254,7 +257,7 @@ impl Ways {
                     reflectance,
                     transmittance,
                 },
-            };
+            });
         }
     }
 }
@@ -281,11 +284,11 @@ impl Facing {
         let side = if point.ng.dot(d) > 0.0 { -1.0 } else { 1.0 };
         let facing = Self {
             ng: point.ng * side,
-            ns: point.ns * side,
+            ns: point.ns() * side,
             turn: side,
-            flat_turn: if point.ng == point.ns { side } else { 0.0 },
+            flat_turn: if point.is_smooth() { 0.0 } else { side },
         };
-        if facing.ns.dot(d) < 0.0 {
+        if !built::SHADING_NORMALS || facing.ns.dot(d) < 0.0 {
             facing
         } else {
             facing.flat()
@@ -308,7 +311,7 @@ impl Facing {
     #[inline]
     fn reflected(&self, d: DVec3, share: f64, carried: Carried) -> Lobe {
         let w = optics::reflect(d, self.ns);
-        let (dir, n, turn, shading) = if w.dot(self.ng) > 0.0 {
+        let (dir, n, turn, shading) = if !built::SHADING_NORMALS || w.dot(self.ng) > 0.0 {
             (w, self.ns, self.turn, self.shading_factor(d, w, carried))
         } else {
             (optics::reflect(d, self.ng), self.ng, self.flat_turn, 1.0)
@@ -354,7 +357,7 @@ impl Facing {
     #[inline]
     fn shading_factor(&self, d: DVec3, w: DVec3, carried: Carried) -> f64 {
         let Self { ng, ns, .. } = *self;
-        if carried == Carried::Radiance || ng == ns {
+        if !built::SHADING_NORMALS || carried == Carried::Radiance || ng == ns {
             return 1.0;
         }
         let factor = (d.dot(ns) * w.dot(ng) / (d.dot(ng) * w.dot(ns))).abs();

@@ -50,7 +50,7 @@ pub struct Walker {
 impl Walker {
     /// A path that starts with `ray` at the camera.
     pub fn from_camera(ctx: &Context<'_>, ray: Ray) -> Self {
-        let media = match &ctx.plan.nest {
+        let media = match ctx.plan.nest() {
             Some(nested) => nested.starts.camera.at(&ctx.scene.world, ray.origin),
             None => Media::NONE,
         };
@@ -79,7 +79,7 @@ impl Walker {
         stream: &mut Stream,
         branch: &mut impl FnMut(&Walker) -> bool,
     ) -> End {
-        if ctx.plan.nest.is_some() {
+        if ctx.plan.nest().is_some() {
             self.walk_in::<true>(ctx, stream, branch)
         } else {
             self.walk_in::<false>(ctx, stream, branch)
@@ -104,6 +104,10 @@ impl Walker {
             } = met;
             self.depth += 1;
             self.length += met.hit.t;
+            // Most walks end here, without a look at what glass would do.
+            if !material.is_specular() {
+                return End::Surface { point, material };
+            }
             let Some(lobes) = lobes(&material, &point, self.ray.dir, Carried::Radiance) else {
                 return End::Surface { point, material };
             };

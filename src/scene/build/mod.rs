@@ -117,7 +117,11 @@ fn assemble(
     let mut objects = Vec::with_capacity(built.len());
     for b in built {
         instances.push(b.instance);
-        objects.push(b.object);
+        let material = b.object.material.as_built();
+        objects.push(Object {
+            material,
+            ..b.object
+        });
     }
     let mut lights = Vec::with_capacity(built_lights.len());
     for (index, light::BuiltLight { name, light, shape }) in built_lights.into_iter().enumerate() {
