@@ -1,6 +1,9 @@
 //! Asking the map at a surface point, with what stands around it.
 
-use std::{cell::OnceCell, f64::consts::TAU};
+use std::{
+    cell::OnceCell,
+    f64::consts::{FRAC_1_SQRT_2, TAU},
+};
 
 use glam::DVec3;
 
@@ -44,6 +47,7 @@ pub fn gather(
     let world = &ctx.scene.world;
     let own = at.point.surface.instance;
     let farthest = kernels.farthest();
+    let draws_in = vicinity.draws_in();
     let is_other_wall = |i: u32| i != own && is_wall(&ctx.scene.objects[i as usize].material);
     // Most points have no photon near, and most photons no wall.
     let surroundings = OnceCell::new();
@@ -70,7 +74,12 @@ pub fn gather(
             return [0.0; 3];
         }
         let horizon = horizon.get_or_init(|| Horizon::around(ctx, at, walls, farthest, u));
-        horizon.shares(ellipse).map(f64::recip)
+        if draws_in {
+            horizon.all_shares(ellipse).map(f64::recip)
+        } else {
+            let [whole] = horizon.shares(ellipse, [1.0]);
+            [whole.recip(), 0.0, 0.0]
+        }
     })
 }
 
@@ -105,14 +114,26 @@ impl Horizon {
         Self { free, nearest }
     }
 
-    /// The shares that walls leave of a kernel around the point, and of those
-    /// of half and of a quarter of its area, above 0.
-    fn shares(&self, ellipse: &Ellipse) -> [f64; 3] {
+    /// The shares that walls leave of a kernel around the point and of those of
+    /// half and of a quarter of its area. To those that no wall reaches they leave
+    /// all.
+    fn all_shares(&self, ellipse: &Ellipse) -> [f64; 3] {
+        if ellipse.major * FRAC_1_SQRT_2 <= self.nearest {
+            let [whole] = self.shares(ellipse, [1.0]);
+            [whole, 1.0, 1.0]
+        } else {
+            self.shares(ellipse, [1.0, 2.0, 4.0])
+        }
+    }
+
+    /// The shares that walls leave of a kernel around the point, drawn in to
+    /// areas smaller by these factors, above 0.
+    fn shares<const N: usize>(&self, ellipse: &Ellipse, narrower: [f64; N]) -> [f64; N] {
         if ellipse.major <= self.nearest {
-            return [1.0; 3];
+            return [1.0; N];
         }
         let (a2, b2) = (ellipse.major * ellipse.major, ellipse.minor * ellipse.minor);
-        let (mut left, mut all) = ([0.0; 3], 0.0);
+        let (mut left, mut all) = ([0.0; N], 0.0);
         for &(dir, free) in &self.free {
             let c = dir.dot(ellipse.axis);
             let c2 = c * c;
@@ -122,7 +143,7 @@ impl Horizon {
             let rim2 = a2 * b2 / (b2 * c2 + a2 * (1.0 - c2).max(0.0));
             let inside = free * free / rim2;
             all += rim2;
-            for (left, narrower) in left.iter_mut().zip([1.0, 2.0, 4.0]) {
+            for (left, narrower) in left.iter_mut().zip(narrower) {
                 let x = (narrower * inside).min(1.0);
                 *left += rim2 * x * (2.0 - x);
             }
