@@ -6,8 +6,7 @@
 //! replicates: 8 + 4 colours of three 16-byte sums, and four sums of what
 //! narrower kernels find otherwise: **640 bytes per pixel**. The replicates
 //! are independent estimates of the same picture, so their spread is its noise
-//! ([`Film::noise`]). The differences of kernels are summed for even and for
-//! odd replicates apart: the product of two independent estimates of a number
+//! ([`Film::noise`]). The differences of kernels are summed ([`blur_weight`]) for even and for odd replicates apart: the product of two independent estimates of a number
 //! has the number's square as its mean, whatever their noise ([`Film::blur`]).
 //!
 //! A layer and a total are rounded to the quantum separately: the layers of a
@@ -40,6 +39,23 @@ pub(super) type RgbSum = [ExactSum; 3];
 /// Halves of the replicates whose differences of kernels are summed apart:
 /// those with even and those with odd numbers.
 pub const HALVES: usize = 2;
+
+/// Rounds of which every pass tells how narrower kernels differ.
+const TELLING_ROUNDS: u32 = 4;
+
+/// How often [`PixelSample::blur`] of a pass counts: once in the first four
+/// rounds, when little is known of it. Later, two passes of either half of the
+/// replicates count twice and need not be asked in the others, where it is 0: a
+/// round counts as before, for half the work.
+pub const fn blur_weight(pass_index: u32) -> f64 {
+    if pass_index < TELLING_ROUNDS * REPLICATES as u32 {
+        1.0
+    } else if pass_index % 4 < 2 {
+        2.0
+    } else {
+        0.0
+    }
+}
 
 /// Sums of [`PixelSample::blur`], one for each half of the replicates.
 type BlurSum = [[ExactSum; 2]; HALVES];
@@ -149,6 +165,7 @@ impl Film {
         let quantum = self.quantum;
         let limit = libm::ldexp(quantum.unit(), RANGE_IN_QUANTA_LOG2);
         let replicate = pass_index as usize % REPLICATES;
+        let weight = blur_weight(pass_index);
         let width = self.width.max(1) as usize;
         let refused: u64 = self.replicates[replicate]
             .par_chunks_mut(width)
@@ -163,9 +180,9 @@ impl Film {
                         add_sample(total, layers, sample, quantum);
                         let half = &mut blur[replicate % HALVES];
                         // Where no photon comes there is none.
-                        if sample.blur != [0.0; 2] {
+                        if weight > 0.0 && sample.blur != [0.0; 2] {
                             for (sum, step) in half.iter_mut().zip(sample.blur) {
-                                sum.add(step, quantum);
+                                sum.add(weight * step, quantum);
                             }
                         }
                     } else {
@@ -258,15 +275,17 @@ impl Film {
         if self.passes.iter().filter(|&&n| n > 0).count() < 2 {
             return None;
         }
-        Some(self.collect(|i| self.variance_at(i).map(f64::sqrt)))
+        Some(self.collect(|i| self.spread_at(i).1.map(f64::sqrt)))
     }
 
-    /// The square of [`Film::noise`] at one pixel, given by its number row by
-    /// row; black while fewer than two replicates have passes.
+    /// What each replicate alone sees at one pixel, given by its number row by
+    /// row, black before its first pass; and the square of [`Film::noise`] there,
+    /// black while fewer than two replicates have passes.
     ///
     /// # Panics
     /// Outside the film.
-    pub fn variance_at(&self, pixel: usize) -> Rgb {
+    pub fn spread_at(&self, pixel: usize) -> ([Rgb; REPLICATES], Rgb) {
+        let replicates = self.replicates_at(pixel);
         let passes = self.passes();
         let mut sum = RgbSum::default();
         for replicate in &self.replicates {
@@ -274,18 +293,19 @@ impl Film {
         }
         let mean = self.mean(&sum, passes);
         let (mut squares, mut used) = (Rgb::BLACK, 0.0);
-        for (replicate, n) in self.replicates.iter().zip(self.passes) {
+        for (&replicate, n) in replicates.iter().zip(self.passes) {
             if n > 0 {
-                let difference = self.mean(&replicate[pixel], n) - mean;
+                let difference = replicate - mean;
                 squares += difference * difference * n as f64;
                 used += 1.0;
             }
         }
-        if used > 1.0 {
+        let variance = if used > 1.0 {
             squares / ((used - 1.0) * passes as f64)
         } else {
             Rgb::BLACK
-        }
+        };
+        (replicates, variance)
     }
 
     /// What each replicate alone sees at one pixel, given by its number row by
@@ -298,8 +318,10 @@ impl Film {
     }
 
     /// The mean of [`PixelSample::blur`] over the passes of one half of the
-    /// replicates, 0 for the even and 1 for the odd ones: row by row, zero
-    /// before the first pass. The halves are independent estimates of one
+    /// replicates, weighted by [`blur_weight`], 0 for the even and 1 for the odd
+    /// ones: row by row, zero before the first pass. After half rounds and whole
+    /// ones the weights are on average one, in between one more or less of all
+    /// passes. The halves are independent estimates of one
     /// thing.
     ///
     /// # Panics

@@ -40,7 +40,8 @@ pub struct PixelSample {
     pub layers: [Rgb; 4],
     /// How much less light narrower kernels find of the same photons, mean
     /// over the channels: when all kernels shrink to half their area, and again
-    /// when these shrink to half of theirs. Zero where nothing is gathered.
+    /// when these shrink to half of theirs. Zero where nothing is gathered, and in
+    /// passes that do not count ([`blur_weight`](super::blur_weight)).
     pub blur: [f64; 2],
 }
 

@@ -60,6 +60,7 @@ pub fn gather(
     let world = &ctx.scene.world;
     let own = at.point.surface.instance;
     let farthest = kernels.farthest();
+    let draws_in = vicinity.draws_in();
     let is_other_wall = |i: u32| i != own && is_wall(&ctx.scene.objects[i as usize].material);
     // Most points have no photon near, and most photons no wall.
     let surroundings = OnceCell::new();
@@ -86,7 +87,12 @@ pub fn gather(
             return [0.0; 3];
         }
         let horizon = horizon.get_or_init(|| Horizon::around(ctx, at, walls, farthest, u));
-        horizon.shares(ellipse).map(f64::recip)
+        if draws_in {
+            horizon.all_shares(ellipse).map(f64::recip)
+        } else {
+            let [whole] = horizon.shares(ellipse, [1.0]);
+            [whole.recip(), 0.0, 0.0]
+        }
     })
 }
 
@@ -144,17 +150,30 @@ impl Horizon {
         horizon
     }
 
-    /// The shares that walls leave of a kernel around the point, and of those
-    /// of half and of a quarter of its area, above 0. Like kernels, worked out in
-    /// single precision, in lengths of the major axis.
-    fn shares(&self, ellipse: &Ellipse) -> [f64; 3] {
+    /// The shares that walls leave of a kernel around the point and of those of
+    /// half and of a quarter of its area. To those that no wall reaches they leave
+    /// all.
+    fn all_shares(&self, ellipse: &Ellipse) -> [f64; 3] {
+        if ellipse.major * FRAC_1_SQRT_2 <= self.nearest {
+            let [whole] = self.shares(ellipse, [1.0]);
+            [whole, 1.0, 1.0]
+        } else {
+            self.shares(ellipse, [1.0, 2.0, 4.0])
+        }
+    }
+
+    /// The shares that walls leave of a kernel around the point, drawn in to
+    /// areas smaller by these factors, above 0. Like kernels, worked out in single
+    /// precision, in lengths of the major axis.
+    fn shares<const N: usize>(&self, ellipse: &Ellipse, narrower: [f32; N]) -> [f64; N] {
         if ellipse.major <= self.nearest {
-            return [1.0; 3];
+            return [1.0; N];
         }
         let [ax, ay] = self.frame.map(|v| v.dot(ellipse.axis) as f32);
         let flat = (ellipse.minor / ellipse.major).powi(2) as f32;
         let scale = (self.unit / ellipse.major).powi(2) as f32;
-        let mut sums = [[0.0f32; LANES]; 4];
+        let mut left = [[0.0f32; LANES]; N];
+        let mut all = [0.0f32; LANES];
         for first in (0..DIRECTIONS).step_by(LANES) {
             for lane in 0..LANES {
                 let i = first + lane;
@@ -165,14 +184,15 @@ impl Horizon {
                 // over that of the rim.
                 let rim2 = flat / (flat * c2 + (1.0 - c2).max(0.0));
                 let inside = self.free2[i] * scale / rim2;
-                sums[3][lane] += rim2;
-                for (sum, narrower) in sums.iter_mut().zip([1.0, 2.0, 4.0]) {
+                all[lane] += rim2;
+                for (left, narrower) in left.iter_mut().zip(narrower) {
                     let x = (narrower * inside).min(1.0);
-                    sum[lane] += rim2 * x * (2.0 - x);
+                    left[lane] += rim2 * x * (2.0 - x);
                 }
             }
         }
-        let [a, b, c, all] = sums.map(|s| (s[0] + s[1]) + (s[2] + s[3]));
-        [a, b, c].map(|left| f64::from(left / all).max(LEAST_SHARE))
+        let sum = |s: [f32; LANES]| (s[0] + s[1]) + (s[2] + s[3]);
+        let all = sum(all);
+        left.map(|left| f64::from(sum(left) / all).max(LEAST_SHARE))
     }
 }

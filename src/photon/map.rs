@@ -95,7 +95,7 @@ pub struct Gathered {
     pub bounced: Rgb,
     /// What kernels of half and of a quarter of the area find of the same
     /// photons, over what the kernels themselves find: of each kind of light,
-    /// 1 where there is none.
+    /// 1 where there is none. Zero if it was not to be found out.
     pub narrower: [[f64; 2]; 2],
     /// Candidates that trees offered: the work of searching.
     pub visited: u32,

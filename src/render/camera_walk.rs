@@ -65,6 +65,8 @@ pub(super) struct Gather<'a> {
     /// Kernel scale of the round in footprints.
     pub(super) scale: f64,
     pub(super) footprint: Footprint,
+    /// Whether it is found out what narrower kernels find.
+    pub(super) draws_in: bool,
 }
 
 /// What the photons bring at a point: light of caustics, and light reflected
@@ -94,7 +96,12 @@ fn add_blur(sum: &mut [f64; 2], more: [f64; 2]) {
 impl<'a> Gather<'a> {
     /// Asks the photons for samples that follow each other closely.
     pub(super) fn vicinity(&self) -> Option<Vicinity<'a>> {
-        self.map.filter(|_| built::CAUSTICS).map(Vicinity::new)
+        let map = self.map.filter(|_| built::CAUSTICS);
+        map.map(if self.draws_in {
+            Vicinity::drawing_in
+        } else {
+            Vicinity::new
+        })
     }
 
     /// Light through a film position, by layer.
@@ -219,7 +226,9 @@ impl<'a> Gather<'a> {
             let width = self.footprint.width + self.footprint.spread * walker.length;
             let found = self.gathered(at, width, true, &mut here, vicinity, tally);
             sample[Layer::Caustic] += walker.throughput * found.light[0];
-            sample.blur = found.blur(0, walker.throughput);
+            if self.draws_in {
+                sample.blur = found.blur(0, walker.throughput);
+            }
             found
         } else {
             here.skip(1);
@@ -233,7 +242,9 @@ impl<'a> Gather<'a> {
             return sample;
         };
         sample[Layer::Indirect] += walker.throughput * found.light[1];
-        add_blur(&mut sample.blur, found.blur(1, walker.throughput));
+        if self.draws_in {
+            add_blur(&mut sample.blur, found.blur(1, walker.throughput));
+        }
         // A path that carries little goes on as seldom.
         if goes_on < walker.strength {
             let path = Walker {
@@ -333,7 +344,9 @@ impl<'a> Gather<'a> {
             let bounced = self.gathered(&at, width, false, stream, vicinity, tally);
             tally.rays += u64::from(LATER_SHADOW_RAYS);
             let found = direct_light(&self.ctx, &at, stream, LATER_SHADOW_RAYS) + bounced.light[1];
-            add_blur(&mut blur, bounced.blur(1, path.throughput));
+            if self.draws_in {
+                add_blur(&mut blur, bounced.blur(1, path.throughput));
+            }
             sum += path.throughput * found;
             path.throughput *= reflectance;
             path.strength *= reflectance.max();

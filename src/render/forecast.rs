@@ -2,8 +2,8 @@
 //!
 //! After n passes noise² falls about like 1 / n: faster where the samples of
 //! light and pixels fill their space evenly, more slowly where kernels shrink.
-//! Bias² of order p falls like n^(-p/3) where all kernels follow the schedule,
-//! and more slowly where they are as narrow as pixels already. Both are followed
+//! Bias² of order p falls like n^(-p/3), since all kernels follow the schedule.
+//! Both are followed
 //! by a [`Trend`] in the logarithms of what the picture states; how steep they
 //! are beforehand, and how certain that is, was measured over scenes
 //! (`cargo bench --bench prediction`). Time is what passes have taken lately,
@@ -20,15 +20,15 @@ use crate::{
 /// Slope of the logarithm of noise² over that of the passes, its standard
 /// deviation between scenes, and the variance by which it changes while the
 /// logarithm of the passes grows by 1.
-const NOISE: [f64; 3] = [-1.0, 0.15, 0.01];
+const NOISE: [f64; 3] = [-1.0, 0.2, 0.01];
 
-/// The same of bias², the slope for each order of the bias: two thirds of what
-/// the schedule says.
-const BIAS: [f64; 3] = [-0.22, 0.25, 0.01];
+/// The same of bias², the slope for each order of the bias: what the schedule
+/// says.
+const BIAS: [f64; 3] = [-1.0 / 3.0, 0.34, 0.01];
 
 /// Standard deviations of logarithms of stated noise² and bias², beside what
-/// the replicates tell.
-const STATED: [f64; 2] = [0.08, 0.3];
+/// the replicates tell: how they stray about such lines.
+const STATED: [f64; 2] = [0.15, 0.32];
 
 /// A normal deviate lies within so many standard deviations in nine cases of
 /// ten, and is below so many in nine of ten.

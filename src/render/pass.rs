@@ -2,7 +2,7 @@
 //! settings, the seed and the pass index.
 
 use crate::{
-    film::PixelSample,
+    film::{PixelSample, blur_weight},
     photon::{Emitter, PhotonMap, Shot, Tally, shoot_for},
     plan::Plan,
     sampling::{Purpose, Sequence},
@@ -189,7 +189,10 @@ impl<'a> Renderer<'a> {
         let map = (shot.emitted > 0).then(|| self.map(&shot, round));
         let stored = shot.photons.len() as u64;
         drop(shot.photons);
-        let gather = self.gatherer(map.as_ref(), round);
+        let gather = Gather {
+            draws_in: blur_weight(index) > 0.0,
+            ..self.gatherer(map.as_ref(), round)
+        };
         let (samples, camera) = self.gather(&gather, round, replicate);
         PassOutput {
             samples,
@@ -268,6 +271,7 @@ impl<'a> Renderer<'a> {
             map,
             scale: self.schedule.scale(round),
             footprint: self.camera.pixel_footprint(),
+            draws_in: false,
         }
     }
 }

@@ -54,13 +54,13 @@ fn table(kind: &str, block: &str, size: f64, at: DVec3) -> String {
     format!("(name: \"table\", shape: {shape}, material: {WOOD}{turned}),")
 }
 
-/// Surfaces that a ray meets one after the other, refracted where it can be:
-/// whether each is the table, and where; the way ends there.
-fn met(
-    scene: &Scene,
-    mut ray: Ray,
-    mut media: Media,
-) -> (Vec<(bool, DVec3)>, Option<(Ray, Media)>) {
+/// Surfaces that a ray meets one after the other: whether each is the table, and
+/// where.
+type Way = Vec<(bool, DVec3)>;
+
+/// The way of a ray that is refracted where it can be, to the table, and a ray
+/// back from there.
+fn met(scene: &Scene, mut ray: Ray, mut media: Media) -> (Way, Option<(Ray, Media)>) {
     with_context(scene, |ctx| {
         let mut found = Vec::new();
         while let Some(met) = meet(ctx, &ray, f64::INFINITY, &mut media) {

@@ -112,3 +112,22 @@ fn films_of_different_pictures_do_not_merge() {
     assert_eq!(film.merge(&other), Err(MergeError::Quantum));
     assert_eq!(film, before);
 }
+
+/// Later rounds tell the same by half of their passes.
+#[test]
+fn rounds_count_alike_in_the_blur() {
+    let mut film = Film::new(1, 1, quantum());
+    for pass in 0..80 {
+        let told = blur_weight(pass) > 0.0;
+        assert!(told || pass >= 32, "{pass}");
+        let blur = if told {
+            [f64::from(pass / 8), 1.0]
+        } else {
+            [0.0; 2]
+        };
+        film.add_pass(pass, &[PixelSample { blur, ..grey(1.0) }]);
+    }
+    for half in 0..HALVES {
+        assert_eq!(film.blur(half), [[4.5, 1.0]], "half {half}");
+    }
+}

@@ -1,8 +1,8 @@
 //! The bias that kernels leave, from narrower kernels on the same photons.
 //!
-//! Every query evaluates each kernel it meets three times: as it is, and with
-//! half and a quarter of its area. All kernels of a round scale with one
-//! number s, so what the narrower ones find is, in the mean, exactly what the
+//! Every query of a pass that tells the blur ([`blur_weight`](crate::film::blur_weight)) evaluates each
+//! kernel it meets three times: as it is, and with half and a quarter of its area.
+//! All kernels of a round scale with one number s, so what the narrower ones find is, in the mean, exactly what the
 //! renderer would find in a later round. Where the blur of a pixel goes like
 //! s^p, the step from s to s / 2^(1/2) shows 1 - r of it, r = 2^(-p/2), and the
 //! next step r (1 - r): the ratio of the steps tells r, and the first step,
@@ -64,20 +64,20 @@ pub(super) struct Blur {
     pub(super) order: f64,
     /// First step, signed, averaged over the nearest pixels.
     step: Plane,
+    /// Colours of the light that was gathered, of mean one.
+    hues: Vec<Rgb>,
     /// Bias of the colour's mean over the relative bias.
     scales: Vec<f64>,
 }
 
 impl Blur {
     pub(super) fn of(film: &Film, ground: &Ground) -> Self {
-        let caustic = film.layer_image(Layer::Caustic);
         let indirect = film.layer_image(Layer::Indirect);
-        let scales: Vec<f64> = (0..ground.squares.len())
-            .into_par_iter()
-            .map(|i| {
-                let colour = hue(caustic.pixels()[i] + indirect.pixels()[i]);
-                1.0 / relative(colour * colour, ground.squares[i]).sqrt()
-            })
+        let light = ground.caustics.pixels().iter().zip(indirect.pixels());
+        let hues: Vec<Rgb> = light.map(|(&c, &d)| hue(c + d)).collect();
+        let colours = hues.par_iter().zip(&ground.squares);
+        let scales: Vec<f64> = colours
+            .map(|(&hue, &squares)| 1.0 / relative(hue * hue, squares).sqrt())
             .collect();
         let [even, odd] = [film.blur(0), film.blur(1)];
         let relative = |half: &[[f64; 2]], i: usize| half[i].map(|step| step / scales[i]);
@@ -105,23 +105,21 @@ impl Blur {
             doubt: 2.0 * unsure / (1.0 - ratio),
             order: -2.0 * libm::log2(ratio),
             step: convolve(&step, &near, &near),
+            hues,
             scales,
         }
     }
 
     /// The bias of every pixel and channel, in the colour of the light that
     /// was gathered.
-    pub(super) fn image(&self, film: &Film) -> Image {
-        let caustic = film.layer_image(Layer::Caustic);
-        let indirect = film.layer_image(Layer::Indirect);
-        let light = caustic.pixels().iter().zip(indirect.pixels());
-        let pixels = light.enumerate().map(|(i, (&c, &d))| {
+    pub(super) fn image(&self, ground: &Ground) -> Image {
+        let pixels = self.hues.iter().enumerate().map(|(i, &hue)| {
             let size = self.pooled.values()[i]
                 .sqrt()
                 .copysign(self.step.values()[i]);
-            hue(c + d) * (size * self.scales[i])
+            hue * (size * self.scales[i])
         });
-        Image::new(film.width(), film.height(), pixels.collect())
+        Image::new(ground.width as u32, ground.height as u32, pixels.collect())
     }
 }
 

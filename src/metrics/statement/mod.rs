@@ -78,6 +78,8 @@ struct Ground {
     squares: Vec<Rgb>,
     lit: Vec<bool>,
     caustic: Vec<bool>,
+    /// The layer of that name.
+    caustics: Image,
     width: usize,
     height: usize,
 }
@@ -101,8 +103,8 @@ impl Statement {
         Some(Self {
             whole: figures(&ground.lit)?,
             caustics: figures(&ground.caustic),
-            noise: noise.image(film, &ground),
-            bias: blur.image(film),
+            noise: noise.image(&ground),
+            bias: blur.image(&ground),
             bound: Plane::join(&total, &total, |t, _| quantile * t.sqrt()),
             lit: ground.lit,
             caustic: ground.caustic,
@@ -188,6 +190,7 @@ impl Ground {
         Some(Self {
             squares,
             caustic: caustic.collect(),
+            caustics,
             lit,
             width,
             height,

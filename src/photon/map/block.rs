@@ -43,11 +43,22 @@ pub(super) struct Reaching {
     lane: usize,
     /// Its height at the query in 1/m2.
     pub(super) height: f32,
-    /// Heights of the kernel drawn in by each factor of [`NARROWER`].
-    pub(super) narrower: [f32; 2],
+    /// Squared distance of the query in units of the semi-axes, below 1, and
+    /// the kernel's height where that is 0.
+    q: f32,
+    peak: f32,
     /// Semi-axes, metres.
     pub(super) major: f32,
     pub(super) minor: f32,
+}
+
+impl Reaching {
+    /// Heights of the kernel drawn in by each factor of [`NARROWER`].
+    #[inline]
+    pub(super) fn narrower(&self) -> [f32; 2] {
+        // A kernel of the m-th part of the area is m (1 - m q) high.
+        NARROWER.map(|m| (m - self.q * (m * m)).max(0.0) * self.peak)
+    }
 }
 
 impl Block {
@@ -117,20 +128,17 @@ impl Block {
         if reaching == 0 {
             return;
         }
-        let scale = FRAC_2_PI / (major * minor);
-        let height = ((Vec4::ONE - q) * scale).to_array();
-        // A kernel of the m-th part of the area is m (1 - m q) high.
-        let narrower = NARROWER.map(|m| {
-            let inside = (Vec4::splat(m) - q * (m * m)).max(Vec4::ZERO);
-            (inside * scale).to_array()
-        });
+        let peak = FRAC_2_PI / (major * minor);
+        let height = ((Vec4::ONE - q) * peak).to_array();
+        let (q, peak) = (q.to_array(), peak.to_array());
         let (major, minor) = (major.to_array(), minor.to_array());
         while reaching != 0 {
             let lane = reaching.trailing_zeros() as usize;
             found(&Reaching {
                 lane,
                 height: height[lane],
-                narrower: narrower.map(|h| h[lane]),
+                q: q[lane],
+                peak: peak[lane],
                 major: major[lane],
                 minor: minor[lane],
             });

@@ -210,6 +210,7 @@ fn vicinity_changes_no_answer() {
         assert_eq!(near.irradiance, single.irradiance, "query {i}");
         assert_eq!(near.bounced, single.bounced, "query {i}");
         assert_eq!(near.accepted, single.accepted, "query {i}");
+        assert_eq!(near.narrower, [[0.0; 2]; 2], "query {i}: nobody asked");
         searched += near.visited;
         alone += single.visited;
     }
@@ -472,4 +473,35 @@ fn degenerate_sets() {
         (middle / (FRAC_2_PI / (0.5 * 0.01)) - 1.0).abs() < 1e-6,
         "{middle}"
     );
+}
+
+/// What narrower kernels find of the same photons is what a map finds whose
+/// kernels are all that narrow; finding it out changes nothing else.
+#[test]
+fn kernels_are_drawn_in_as_later_rounds_have_them() {
+    let photons = floor_photons(3000, 1.0, |s| {
+        let minor = 0.05 + 0.1 * s.next_1d();
+        let footprint = turned(0.3, 0.2, minor);
+        (0.0, Some(footprint))
+    });
+    let map = PhotonMap::new(&photons, 1000, 1.0);
+    let smaller = [0.5f64.sqrt(), 0.5].map(|shrink| PhotonMap::new(&photons, 1000, shrink));
+    let at = numbers(9);
+    let mut vicinity = Vicinity::drawing_in(&map);
+    for i in 0..50 {
+        let [a, b] = at(i).next_2d();
+        let q = query(DVec3::new(a - 0.5, b - 0.5, 0.0), DVec3::Z, 0.0);
+        let found = vicinity.irradiance(&q, || f64::INFINITY, |_, _| [1.0; 3]);
+        let whole = ask(&map, &q);
+        assert_eq!(found.irradiance, whole.irradiance, "query {i}");
+        for (less, map) in found.narrower[0].into_iter().zip(&smaller) {
+            let expected = ask(map, &q).irradiance.mean() / whole.irradiance.mean();
+            // Kernels and their distances are in single precision.
+            assert!(
+                (less - expected).abs() < 1e-5,
+                "query {i}: {less}, {expected}"
+            );
+        }
+        assert_eq!(found.narrower[1], [1.0; 2], "nothing bounced");
+    }
 }

@@ -64,6 +64,7 @@ pub struct Vicinity<'a> {
     /// The region that is forgotten next.
     oldest: usize,
     numbers: Vec<u32>,
+    draws_in: bool,
 }
 
 impl<'a> Vicinity<'a> {
@@ -80,7 +81,22 @@ impl<'a> Vicinity<'a> {
             }),
             oldest: 0,
             numbers: Vec::new(),
+            draws_in: false,
         }
+    }
+
+    /// The same, to find out as well what narrower kernels find
+    /// ([`Gathered::narrower`]).
+    pub fn drawing_in(map: &'a PhotonMap) -> Self {
+        Self {
+            draws_in: true,
+            ..Self::new(map)
+        }
+    }
+
+    /// Whether it is found out what narrower kernels find.
+    pub fn draws_in(&self) -> bool {
+        self.draws_in
     }
 
     /// The map.
@@ -94,22 +110,38 @@ impl<'a> Vicinity<'a> {
     /// longer than `clear`, which is asked for only where there are photons,
     /// count by a factor: `weigh` is given the offset of the photon and its
     /// ellipse, and answers for it and for ellipses of half and of a quarter of
-    /// its area; 0 where a wall stands between.
+    /// its area, of which only the first counts where no kernel is drawn in; 0
+    /// where a wall stands between.
     pub fn irradiance(
         &mut self,
         query: &Query,
         clear: impl Fn() -> f64,
         weigh: impl Fn(DVec3, &Ellipse) -> [f64; 3],
     ) -> Gathered {
-        let mut gathered = Gathered::default();
         let finite = query.p.is_finite() && query.n.is_finite();
         if !(finite
             && query.kernels.least >= 0.0
             && query.kernels.most > 0.0
             && query.kernels.blind >= 0.0)
         {
-            return gathered;
+            return Gathered::default();
         }
+        if self.draws_in {
+            self.sum::<true>(query, clear, weigh)
+        } else {
+            self.sum::<false>(query, clear, weigh)
+        }
+    }
+
+    /// The same; `DRAWN_IN` says whether narrower kernels are evaluated, too: what
+    /// decides that for a whole pass must not be asked for every kernel.
+    fn sum<const DRAWN_IN: bool>(
+        &mut self,
+        query: &Query,
+        clear: impl Fn() -> f64,
+        weigh: impl Fn(DVec3, &Ellipse) -> [f64; 3],
+    ) -> Gathered {
+        let mut gathered = Gathered::default();
         let map = self.map;
         let searches = query.searches(map.rotation);
         let p = map.rotation * query.p;
@@ -131,7 +163,7 @@ impl<'a> Vicinity<'a> {
             let less = &mut narrower[bounced];
             let mut add = |block: &Block, kernel: &Reaching| {
                 let mut k = f64::from(kernel.height);
-                let mut narrow = kernel.narrower.map(f64::from);
+                let mut power = [1.0; 2];
                 if f64::from(kernel.major) > clear() {
                     let offset = block.position(kernel) - local;
                     let ellipse = Ellipse {
@@ -144,17 +176,19 @@ impl<'a> Vicinity<'a> {
                     if k <= 0.0 {
                         return;
                     }
-                    narrow[0] *= half;
-                    narrow[1] *= quarter;
+                    power = [half, quarter];
                 }
                 gathered.accepted += 1;
                 let flux = block.flux(kernel).map(f64::from);
                 for (s, f) in sum.iter_mut().zip(flux) {
                     *s += k * f;
                 }
-                let power = flux[0] + flux[1] + flux[2];
-                for (s, k) in less.iter_mut().zip(narrow) {
-                    *s += k * power;
+                if DRAWN_IN {
+                    let whole = flux[0] + flux[1] + flux[2];
+                    let narrower = kernel.narrower();
+                    for i in 0..2 {
+                        less[i] += f64::from(narrower[i]) * (power[i] * whole);
+                    }
                 }
             };
             if let Some(r) = region {
@@ -170,11 +204,13 @@ impl<'a> Vicinity<'a> {
                 }
             }
         }
-        for (less, sum) in narrower.iter_mut().zip(sums) {
-            let whole = sum[0] + sum[1] + sum[2];
-            *less = less.map(|s| if whole > 0.0 { s / whole } else { 1.0 });
+        if DRAWN_IN {
+            for (less, sum) in narrower.iter_mut().zip(sums) {
+                let whole = sum[0] + sum[1] + sum[2];
+                *less = less.map(|s| if whole > 0.0 { s / whole } else { 1.0 });
+            }
+            gathered.narrower = narrower;
         }
-        gathered.narrower = narrower;
         let [caustics, bounced] = sums.map(|s| Rgb(s) * map.per_path);
         gathered.irradiance = caustics;
         gathered.bounced = bounced;
