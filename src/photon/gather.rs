@@ -16,8 +16,8 @@ use crate::{
 use super::{Ellipse, Gathered, Kernels, Query, Vicinity};
 
 /// Directions in which walls around a gather point are looked for, four to each
-/// of [`TURNS`]. Half as many as were used once: in `cornell_glass`, where a
-/// third of all queries look, errors are the same.
+/// of [`TURNS`]. Twice as many leave the same errors in `cornell_glass`, to four
+/// digits of relMSE.
 const DIRECTIONS: usize = 16;
 
 /// Directions that are worked out side by side.
