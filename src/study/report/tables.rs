@@ -103,13 +103,16 @@ pub(super) fn mark(series: &Series) -> &'static str {
     }
 }
 
-/// The error of the summary: of those asked for, the nearest to 1 %.
+/// The error of the summary: of those asked for, the least that some method
+/// reaches in half of the scenes or more; the largest if there is none.
 pub(super) fn headline(study: &Study) -> Option<f64> {
-    let far = |error: f64| libm::log(error / 0.01).abs();
-    targets(study.scenes.iter().flat_map(|s| &s.series))
-        .into_iter()
-        .filter(|t| *t > 0.0)
-        .min_by(|a, b| far(*a).total_cmp(&far(*b)))
+    let targets = targets(study.scenes.iter().flat_map(|s| &s.series));
+    let is_reached = |error: f64| {
+        let by_some = |s: &&SceneStudy| s.series.iter().any(|s| seconds(s, error).is_some());
+        2 * study.scenes.iter().filter(by_some).count() >= study.scenes.len()
+    };
+    let least = targets.iter().rev().find(|e| is_reached(**e));
+    least.or(targets.first()).copied()
 }
 
 /// Methods of all scenes in the order in which they first appear.
