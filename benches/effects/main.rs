@@ -63,7 +63,7 @@ fn main() {
     match words.split_first() {
         None => switched(),
         Some((first, names)) if first == "--builds" => builds::compare(names),
-        Some((first, _)) if first == "--price" => price::table(&[]),
+        Some((first, [])) if first == "--price" => price::table(&[]),
         Some((word, _)) => panic!("{word}: there are --builds and --price"),
     }
 }

@@ -6,8 +6,9 @@
 //! replicates: 8 + 4 colours of three 16-byte sums, and four sums of what
 //! narrower kernels find otherwise: **640 bytes per pixel**. The replicates
 //! are independent estimates of the same picture, so their spread is its noise
-//! ([`Film::noise`]). The differences of kernels are summed ([`blur_weight`]) for even and for odd replicates apart: the product of two independent estimates of a number
-//! has the number's square as its mean, whatever their noise ([`Film::blur`]).
+//! ([`Film::noise`]). The differences of kernels are summed ([`blur_weight`]) for
+//! even and for odd replicates apart: the product of two independent estimates of a
+//! number has the number's square as its mean, whatever their noise ([`Film::blur`]).
 //!
 //! A layer and a total are rounded to the quantum separately: the layers of a
 //! picture sum to the picture up to four quanta per pass, which is some 19

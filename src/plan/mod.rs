@@ -160,8 +160,8 @@ impl Plan {
         })
     }
 
-    /// The bodies, if any may overlap or touch. This and the other questions of paths are
-    /// answered when compiling in a build that lacks the effect.
+    /// The bodies, if any may overlap or touch. This and the other questions of
+    /// paths are answered when compiling in a build that lacks the effect.
     #[inline]
     pub fn nest(&self) -> Option<&Nested> {
         self.nest.as_ref().filter(|_| built::NESTING)

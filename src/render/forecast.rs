@@ -3,8 +3,7 @@
 //! After n passes noise² falls about like 1 / n: faster where the samples of
 //! light and pixels fill their space evenly, more slowly where kernels shrink.
 //! Bias² of order p falls like n^(-p/3), since all kernels follow the schedule.
-//! Both are followed
-//! by a [`Trend`] in the logarithms of what the picture states; how steep they
+//! Both are followed by a [`Trend`] in the logarithms of what the picture states; how steep they
 //! are beforehand, and how certain that is, was measured over scenes
 //! (`cargo bench --bench prediction`). Time is what passes have taken lately,
 //! times their number.

@@ -1,8 +1,9 @@
 //! The bias that kernels leave, from narrower kernels on the same photons.
 //!
-//! Every query of a pass that tells the blur ([`blur_weight`](crate::film::blur_weight)) evaluates each
-//! kernel it meets three times: as it is, and with half and a quarter of its area.
-//! All kernels of a round scale with one number s, so what the narrower ones find is, in the mean, exactly what the
+//! Every query of a pass that tells the blur
+//! ([`blur_weight`](crate::film::blur_weight)) evaluates each kernel it meets three
+//! times: as it is, and with half and a quarter of its area. All kernels of a round
+//! scale with one number s, so what the narrower ones find is, in the mean, what the
 //! renderer would find in a later round. Where the blur of a pixel goes like
 //! s^p, the step from s to s / 2^(1/2) shows 1 - r of it, r = 2^(-p/2), and the
 //! next step r (1 - r): the ratio of the steps tells r, and the first step,
