@@ -45,9 +45,9 @@ impl Renderer<'_> {
         })
     }
 
-    /// The epochs of a render that starts with an emitter and so many photon
-    /// paths a pass.
-    pub(super) fn untaught(&self, emitter: Emitter, photons: u64) -> Epochs {
+    /// The epochs of a render that starts with an emitter.
+    pub(super) fn untaught(&self, emitter: Emitter) -> Epochs {
+        let photons = self.photon_paths(&emitter, None, None);
         let is_taught =
             self.settings.guidance == Guidance::Learned && self.pilot(photons).size(0).is_some();
         // The first epoch finds its own.
@@ -70,7 +70,6 @@ impl Renderer<'_> {
         let emitter = taught.unwrap_or_else(|| before.emitter.clone());
         let photons = if is_new {
             self.photon_paths(&emitter, Some(epoch), Some(before.photons))
-                .0
         } else {
             before.photons
         };
@@ -106,23 +105,15 @@ impl Renderer<'_> {
     /// the least error for its work by a pilot; never more than the memory
     /// budget holds. The pilot looks at the whole picture, so that a crop is
     /// a window of it. `before` is the number that there were before the epoch.
-    ///
-    /// Also what relative variance they leave, by the pilot; 0 without one.
-    pub(super) fn photon_paths(
-        &self,
-        emitter: &Emitter,
-        epoch: Option<usize>,
-        before: Option<u64>,
-    ) -> (u64, f64) {
+    fn photon_paths(&self, emitter: &Emitter, epoch: Option<usize>, before: Option<u64>) -> u64 {
         let most = self.most_photons();
         if self.settings.photons.is_some() {
-            return (most, 0.0);
+            return most;
         }
         // Of powers of two: a budget may be any number.
         let last = (most.next_power_of_two()).max(FEWEST_PHOTONS);
         let survey = self.survey(emitter, epoch);
-        let paths = survey.best_paths(FEWEST_PHOTONS, last, before).min(most);
-        (paths, survey.photon_variance(paths))
+        survey.best_paths(FEWEST_PHOTONS, last, before).min(most)
     }
 
     /// The pilot: two camera samples in each of some pixels, with two

@@ -122,16 +122,10 @@ impl<'a> Renderer<'a> {
         if settings.guidance == Guidance::Learned {
             renderer.picker = renderer.picker_by_need();
         }
+        renderer.bounces = renderer.find_bounces(emitter.as_ref());
         match emitter {
-            Some(emitter) => {
-                let (photons, variance) = renderer.photon_paths(&emitter, None, None);
-                renderer.bounces = renderer.find_bounces(Some(&emitter), variance);
-                renderer.epochs = Some(renderer.untaught(emitter, photons));
-            }
-            None => {
-                renderer.bounces = renderer.find_bounces(None, 0.0);
-                renderer.refinement = renderer.find_refinement(None, 0, None);
-            }
+            Some(emitter) => renderer.epochs = Some(renderer.untaught(emitter)),
+            None => renderer.refinement = renderer.find_refinement(None, 0, None),
         }
         renderer
     }

@@ -96,18 +96,13 @@ impl Survey {
         }
     }
 
-    /// Relative variance of a camera sample due to `n` photon paths a pass.
-    pub(super) fn photon_variance(&self, n: u64) -> f64 {
+    /// Variance times cost of a pass with `n` photon paths.
+    fn inefficiency(&self, n: u64) -> f64 {
         // With kernels of the photons' own size as many overlap whatever their
         // number; what falls is the error that balances noise and blur as
         // kernels shrink with the rounds, like n^(-2/3).
         let fewer = libm::cbrt(self.paths as f64 / n as f64);
-        self.photon * fewer * fewer
-    }
-
-    /// Variance times cost of a pass with `n` photon paths.
-    fn inefficiency(&self, n: u64) -> f64 {
-        let variance = self.camera + self.photon_variance(n);
+        let variance = self.camera + self.photon * fewer * fewer;
         variance * (self.sample_cost + n as f64 * self.path_cost)
     }
 

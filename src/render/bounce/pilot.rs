@@ -1,9 +1,9 @@
-//! How many bounces are aimed: a pilot.
+//! Whether bounces are aimed: a pilot.
 //!
-//! Paths that are aimed by half tell the variance that any part `a` would leave.
-//! With the density p(a) of directions and a path's light x, drawn and weighed
-//! by p(1/2), the second moment would be the mean of x² p(1/2) / p(a), and the
-//! cost that of the rays times p(a) / p(1/2).
+//! Aimed paths tell the variance of those that are not. If p is the density of
+//! mixed directions and q that by the cosine, a path's light x, drawn and weighed
+//! by p, would have the second moment mean(x² p / q) by the cosine, and
+//! the cost mean(c q / p).
 
 use glam::DVec2;
 use rayon::prelude::*;
@@ -35,36 +35,26 @@ const PATHS: u64 = 4;
 /// photons.
 const SEQUENCES: [u32; 3] = [10, 11, 12];
 
-/// Part that is aimed in the pilot.
-const TRIAL: f64 = 0.5;
-
-/// Parts among which the pilot chooses.
-const PARTS: [f64; 5] = [0.0, 0.25, 0.5, 0.75, 0.9];
-
 /// Factor on variance times cost that aiming has to bring.
-const WORTH: f64 = 0.9;
+const WORTH: f64 = 0.95;
 
 /// What a path found.
 #[derive(Clone, Copy, Debug, Default)]
-struct Look {
+pub(super) struct Look {
     /// Light that came straight to the point seen, and by way of the bounce.
-    light: [f64; 2],
+    pub(super) light: [f64; 2],
     /// The density of aimed directions over that by the cosine.
-    ratio: Option<f64>,
+    pub(super) ratio: Option<f64>,
     /// Work up to the bounce and from there on, in rays cast.
-    work: [f64; 2],
+    pub(super) work: [f64; 2],
 }
 
 impl Renderer<'_> {
     /// How paths bounce from the first diffuse surface, by a pilot over the whole
-    /// picture; photons leave a relative variance of `photons`, however that is.
-    pub(in crate::render) fn find_bounces(
-        &self,
-        emitter: Option<&Emitter>,
-        photons: f64,
-    ) -> Bounces {
-        let trial = Bounces::aimed(self.scene, TRIAL);
-        if !self.called_for().plan.indirect() || !trial.have_targets() {
+    /// picture.
+    pub(in crate::render) fn find_bounces(&self, emitter: Option<&Emitter>) -> Bounces {
+        let trial = Bounces::aimed(self.scene);
+        if !self.called_for().plan.indirect() || trial.targets.is_empty() {
             return Bounces::EVEN;
         }
         let pilot =
@@ -91,9 +81,10 @@ impl Renderer<'_> {
                 })
             })
             .collect();
-        Bounces {
-            part: best(&looks, photons),
-            ..trial
+        if is_worth_it(&looks) {
+            trial
+        } else {
+            Bounces::EVEN
         }
     }
 }
@@ -159,27 +150,19 @@ fn diffuse(path: &Walker, end: &End) -> Option<DiffusePoint> {
     }
 }
 
-/// The part with the least variance times cost; none unless it is worth it.
-fn best<const N: usize>(looks: &[[Look; N]], photons: f64) -> f64 {
-    let product = PARTS.map(|part| inefficiency(looks, part, photons));
-    let [none, ..] = product;
-    let (part, least) =
-        PARTS.into_iter().zip(product).fold(
-            (0.0, none),
-            |best, next| {
-                if next.1 < best.1 { next } else { best }
-            },
-        );
-    if least < WORTH * none { part } else { 0.0 }
+/// Whether aimed bounces leave less variance for their cost.
+pub(super) fn is_worth_it<const N: usize>(looks: &[[Look; N]]) -> bool {
+    let by_cosine = |l: &Look| density(l.ratio);
+    inefficiency(looks, |_| 1.0) < WORTH * inefficiency(looks, by_cosine)
 }
 
-/// Relative variance times cost if a part of the bounces is aimed.
-fn inefficiency<const N: usize>(looks: &[[Look; N]], part: f64, photons: f64) -> f64 {
+/// Relative variance times cost of bounces whose density was that of the looks over
+/// `as_if`.
+fn inefficiency<const N: usize>(looks: &[[Look; N]], as_if: impl Fn(&Look) -> f64) -> f64 {
     let n = N as f64;
     let sum = |pixel: &[Look; N], f: &dyn Fn(&Look) -> f64| pixel.iter().map(f).sum::<f64>();
     let light = |pixel: &[Look; N]| sum(pixel, &|l| l.light[0] + l.light[1]) / n;
     let mean = trimmed_mean(looks.iter().map(light));
-    let as_if = |l: &Look| density(TRIAL, l.ratio) / density(part, l.ratio);
     let deviation = trimmed_mean(looks.iter().map(|pixel| {
         let [direct, beyond] = [0, 1].map(|k| {
             let sum = sum(pixel, &|l| l.light[k]);
@@ -195,7 +178,7 @@ fn inefficiency<const N: usize>(looks: &[[Look; N]], part: f64, photons: f64) ->
     }));
     let work = |pixel: &[Look; N]| sum(pixel, &|l| l.work[0] + l.work[1] / as_if(l));
     // Further samples go where they pay: errors are what such sharing leaves.
-    (deviation * deviation + photons) * looks.iter().map(work).sum::<f64>()
+    deviation * deviation * looks.iter().map(work).sum::<f64>()
 }
 
 fn sum_of_squares<const N: usize>(pixel: &[Look; N], k: usize) -> f64 {
