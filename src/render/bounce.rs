@@ -150,6 +150,11 @@ impl Bounces {
 }
 
 impl Bounce {
+    /// Whether it is one of those of which a part is aimed.
+    pub(super) fn is_mixed(&self) -> bool {
+        self.ratio.is_some()
+    }
+
     fn by_cosine(at: &DiffusePoint, u: [f64; 2]) -> Self {
         let local = warp::cosine_hemisphere(u);
         Self {

@@ -33,10 +33,11 @@ pub(super) type Brought = (Rgb, [f64; 2]);
 
 impl Gather<'_> {
     /// Light that comes to a point `at` out of the direction of a bounce. `path`
-    /// ends there, the point's reflectance already in its throughput. Where light
-    /// divides at the first specular surface on the way, both ways are
-    /// followed: the first stream decides about the stronger, the other about
-    /// the weaker one.
+    /// ends there, the point's reflectance already in its throughput. Where bounces
+    /// are aimed and light divides at the first specular surface on the way, both
+    /// ways are followed: the first stream decides about the stronger, the other
+    /// about the weaker one. (Elsewhere that costs more than it brings: in `pool`
+    /// every bounce meets the water.)
     pub(super) fn indirect(
         &self,
         mut path: Walker,
@@ -49,13 +50,14 @@ impl Gather<'_> {
         path.throughput *= bounce.weight;
         path.ray = at.point.spawn(bounce.dir);
         let before = path;
+        let splits = bounce.is_mixed();
         let mut weaker = None;
         let end = path.walk(&self.ctx, &mut main, &mut |other| {
-            let is_first = weaker.is_none() && other.depth == before.depth + 1;
-            if is_first {
+            let takes = splits && weaker.is_none() && other.depth == before.depth + 1;
+            if takes {
                 weaker = Some(*other);
             }
-            is_first
+            takes
         });
         tally.rays += u64::from(path.depth - before.depth) + 1;
         let (mut light, mut blur) = self.beyond(path, end, &before, &mut main, vicinity, tally);
