@@ -35,8 +35,10 @@ const PATHS: u64 = 4;
 /// photons.
 const SEQUENCES: [u32; 3] = [10, 11, 12];
 
-/// Factor on variance times cost that aiming has to bring.
-const WORTH: f64 = 0.95;
+/// Factor on variance times cost that aiming has to bring. Mixed directions are
+/// stratified less well than one look all around, which is not seen here: at 0.9
+/// `soft_shadow` was left with an eighth more noise after 32 passes.
+const WORTH: f64 = 0.89;
 
 /// What a path found.
 #[derive(Clone, Copy, Debug, Default)]
