@@ -11,7 +11,7 @@ use crate::{
 
 use super::{
     domain::{self, Start, Target},
-    groups::{grouped, outermost},
+    groups::{MAX_TARGETS, grouped, outermost},
 };
 
 /// Samples with which the power sent towards each part is estimated.
@@ -254,10 +254,11 @@ fn targets(ctx: &Context<'_>, index: usize, lit: &Lit) -> Vec<Target> {
             None => unbounded = true,
         }
     }
-    let mut out: Vec<Target> = outermost(grouped(light, spheres))
-        .into_iter()
-        .map(Target::Sphere)
-        .collect();
+    let mut out: Vec<Target> =
+        outermost(grouped(spheres, MAX_TARGETS, |s| domain::extent(light, s)))
+            .into_iter()
+            .map(Target::Sphere)
+            .collect();
     if unbounded && !matches!(light, Light::Sun(_)) {
         out.push(Target::Whole);
     }

@@ -1,16 +1,14 @@
-//! Spheres around the casters that a light is aimed at: few enough to ask each
-//! start about all of them.
+//! Spheres around the objects that light or sight is aimed at: few enough to ask
+//! each start about all of them.
 
 use glam::DVec3;
 
-use crate::{geometry::BoundingSphere, light::Light, numeric::U};
-
-use super::domain;
+use crate::{geometry::BoundingSphere, numeric::U};
 
 /// Largest number of parts a light's domain is divided into; more casters are
 /// grouped. A start may ask every part whether it lies there, so this bounds
 /// the work.
-const MAX_TARGETS: usize = 16;
+pub(super) const MAX_TARGETS: usize = 16;
 
 /// The spheres by size, without those that lie inside another.
 pub(super) fn outermost(mut spheres: Vec<BoundingSphere>) -> Vec<BoundingSphere> {
@@ -24,26 +22,26 @@ pub(super) fn outermost(mut spheres: Vec<BoundingSphere>) -> Vec<BoundingSphere>
         .collect()
 }
 
-/// At most [`MAX_TARGETS`] spheres that cover the given ones. While there may
-/// be more groups, the one to which most of the light's domain leads is halved
-/// by median along its widest axis: near casters get targets of their own,
-/// distant ones share.
-pub(super) fn grouped(light: &Light, mut spheres: Vec<BoundingSphere>) -> Vec<BoundingSphere> {
-    if spheres.len() <= MAX_TARGETS {
+/// At most so many spheres that cover the given ones. While there may be more
+/// groups, the one of the largest `extent` is halved by median along its widest
+/// axis. If that is the part of a light's domain that leads there, near casters
+/// get targets of their own, distant ones share.
+pub(crate) fn grouped(
+    mut spheres: Vec<BoundingSphere>,
+    most: usize,
+    extent: impl Fn(&BoundingSphere) -> f64,
+) -> Vec<BoundingSphere> {
+    if spheres.len() <= most {
         return spheres;
     }
     let Some(all) = cover(&spheres) else {
         return spheres;
     };
     let mut groups = vec![(all, spheres.as_mut_slice())];
-    while groups.len() < MAX_TARGETS {
+    while groups.len() < most {
         let size = |(sphere, members): &(BoundingSphere, &mut [BoundingSphere])| {
             let single = members.len() < 2;
-            if single {
-                -1.0
-            } else {
-                domain::extent(light, sphere)
-            }
+            if single { -1.0 } else { extent(sphere) }
         };
         let widest = (0..groups.len())
             .max_by(|&a, &b| size(&groups[a]).total_cmp(&size(&groups[b])))
@@ -91,7 +89,11 @@ fn cover(group: &[BoundingSphere]) -> Option<BoundingSphere> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{light::PointLight, spectrum::Rgb};
+    use crate::{
+        light::{Light, PointLight},
+        photon::domain,
+        spectrum::Rgb,
+    };
 
     /// Sixty balls in a row, a lamp beside one of them: few groups, which
     /// cover all, and those next to the lamp are alone in theirs.
@@ -106,7 +108,8 @@ mod tests {
             position: DVec3::new(4.0 * 37.0, 0.0, 2.0),
             intensity: Rgb::WHITE,
         });
-        let groups = grouped(&lamp, spheres.clone());
+        let extent = |s: &BoundingSphere| domain::extent(&lamp, s);
+        let groups = grouped(spheres.clone(), MAX_TARGETS, extent);
         assert_eq!(groups.len(), MAX_TARGETS);
         for s in &spheres {
             let covered = |g: &BoundingSphere| {
@@ -120,7 +123,7 @@ mod tests {
         }
         // Twins cannot be parted, whatever their number.
         let twins = vec![ball(0); 40];
-        assert!(grouped(&lamp, twins).len() <= MAX_TARGETS);
+        assert!(grouped(twins, MAX_TARGETS, extent).len() <= MAX_TARGETS);
     }
 
     /// Ten balls in a row, each with a smaller one inside it, and a twin: the

@@ -28,6 +28,7 @@ pub use aim::Aim;
 pub use emit::{Emission, Emitter};
 pub use footprint::Footprint;
 pub use gather::{gather, is_wall};
+pub(crate) use groups::grouped;
 pub use guide::{Lesson, Origin, Rehearsal};
 pub use map::{BYTES_PER_PHOTON, Ellipse, Gathered, Kernels, PhotonMap, Query, Vicinity};
 pub(crate) use shoot::shoot_for;

@@ -2,22 +2,20 @@
 
 use std::f64::consts::FRAC_1_PI;
 
-use glam::DVec3;
-
 use crate::{
     built,
     camera::Footprint,
     film::{Layer, PixelSample},
     geometry::Ray,
     material::Material,
-    numeric::Frame,
     photon::{Kernels, PhotonMap, Vicinity, gather},
-    sampling::{Stream, warp},
+    sampling::Stream,
     spectrum::Rgb,
     transport::{Context, DiffusePoint, End, Walker, direct_light},
 };
 
 use super::{
+    bounce::Bounces,
     coordinates,
     glints::{self, Glints},
     tally::CameraTally,
@@ -28,16 +26,13 @@ use super::{
 /// while the weaker way is stronger than this; below, a coin decides. Every
 /// single reflection in glass or water is then seen by all samples, with
 /// little weight, instead of by few with the weight of all.
-const SPLIT_ABOVE: f64 = 0.03;
+pub(super) const SPLIT_ABOVE: f64 = 0.03;
 
 /// Shadow rays at the first diffuse surface: at least the first number, and
 /// one to each light up to the second; fewer on a path that carries less. More
 /// cost as much as they gain, but where penumbras fill the picture.
 const SHADOW_RAYS: [usize; 2] = [2, MOST_SHADOW_RAYS];
 pub(super) const MOST_SHADOW_RAYS: usize = 8;
-
-/// Shadow rays at later diffuse surfaces.
-const LATER_SHADOW_RAYS: u32 = 1;
 
 /// Smallest and largest semi-axes of kernels over the round's scale, which
 /// begins with two pixels' footprints: much narrower ones than the camera resolves bring
@@ -47,14 +42,6 @@ const LATER_SHADOW_RAYS: u32 = 1;
 const LEAST: f64 = 0.04;
 const MOST: f64 = 6.0;
 const MOST_BOUNCED: f64 = 2.0;
-
-/// Growth of a path's footprint after a diffuse bounce, in metres per metre:
-/// the bounce averages over a wide cone, so the photons' light seen there may
-/// be blurred over a small part of it.
-const DIFFUSE_SPREAD: f64 = 0.003;
-
-/// Bounces between diffuse surfaces before the roulette may end a path.
-const SURE_BOUNCES: u32 = 2;
 
 /// What a camera path may ask during one pass.
 #[derive(Clone, Copy)]
@@ -67,27 +54,29 @@ pub(super) struct Gather<'a> {
     pub(super) footprint: Footprint,
     /// Whether it is found out what narrower kernels find.
     pub(super) draws_in: bool,
+    /// How paths go on after their first diffuse surface.
+    pub(super) bounces: &'a Bounces,
 }
 
 /// What the photons bring at a point: light of caustics, and light reflected
 /// after it was one.
 #[derive(Clone, Copy, Default)]
-struct Found {
-    light: [Rgb; 2],
+pub(super) struct Found {
+    pub(super) light: [Rgb; 2],
     narrower: [[f64; 2]; 2],
 }
 
 impl Found {
     /// What one kind of light loses when kernels are drawn in, as
     /// [`PixelSample::blur`] has it.
-    fn blur(&self, kind: usize, throughput: Rgb) -> [f64; 2] {
+    pub(super) fn blur(&self, kind: usize, throughput: Rgb) -> [f64; 2] {
         let light = (throughput * self.light[kind]).mean();
         let [half, quarter] = self.narrower[kind];
         [light * (1.0 - half), light * (half - quarter)]
     }
 }
 
-fn add_blur(sum: &mut [f64; 2], more: [f64; 2]) {
+pub(super) fn add_blur(sum: &mut [f64; 2], more: [f64; 2]) {
     for (s, m) in sum.iter_mut().zip(more) {
         *s += m;
     }
@@ -246,15 +235,17 @@ impl<'a> Gather<'a> {
             add_blur(&mut sample.blur, found.blur(1, walker.throughput));
         }
         // A path that carries little goes on as seldom.
-        if goes_on < walker.strength {
+        if goes_on < walker.strength
+            && let Some(bounce) = self.bounces.direction(at, bounce)
+        {
             let path = Walker {
                 throughput: walker.throughput * at.reflectance / walker.strength,
                 strength: at.reflectance.max(),
                 ..*walker
             };
-            let mut beyond = coordinates::path(stream, k);
+            let streams = [coordinates::path(stream, k), coordinates::aside(stream, k)];
             let before = *tally;
-            let (light, blur) = self.indirect(path, *at, bounce, &mut beyond, vicinity, tally);
+            let (light, blur) = self.indirect(path, at, &bounce, streams, vicinity, tally);
             sample[Layer::Indirect] += light;
             add_blur(&mut sample.blur, blur);
             tally.beyond += tally.work_since(&before);
@@ -262,11 +253,29 @@ impl<'a> Gather<'a> {
         sample
     }
 
+    /// What a walk from the eye sees at a diffuse point of light that comes there
+    /// without a bounce of the path.
+    pub(super) fn seen(
+        &self,
+        walker: &Walker,
+        at: &DiffusePoint,
+        here: &mut Stream,
+        vicinity: &mut Option<Vicinity<'_>>,
+        tally: &mut CameraTally,
+    ) -> Rgb {
+        let width = self.footprint.width + self.footprint.spread * walker.length;
+        let [caustics, bounced] = self.gathered(at, width, true, here, vicinity, tally).light;
+        let rays = self.shadow_rays(walker);
+        tally.rays += u64::from(rays);
+        let direct = direct_light(&self.ctx, at, here, rays);
+        walker.throughput * (caustics + bounced + direct)
+    }
+
     /// Reflected radiance of the light in the photon map at a point that the
     /// camera has `seen`, or that a path has reached, for a footprint of the
     /// given width in metres: first of photons that came from their light
     /// through specular steps alone, then of those that bounced once.
-    fn gathered(
+    pub(super) fn gathered(
         &self,
         at: &DiffusePoint,
         width: f64,
@@ -299,79 +308,4 @@ impl<'a> Gather<'a> {
             narrower: found.narrower,
         }
     }
-
-    /// Light from further diffuse surfaces, by path tracing; `path` has just
-    /// been reflected at `at`, its reflectance already in the throughput, into
-    /// the direction that `bounce` stands for.
-    fn indirect(
-        &self,
-        mut path: Walker,
-        mut at: DiffusePoint,
-        mut bounce: [f64; 2],
-        stream: &mut Stream,
-        vicinity: &mut Option<Vicinity<'_>>,
-        tally: &mut CameraTally,
-    ) -> (Rgb, [f64; 2]) {
-        let mut sum = Rgb::BLACK;
-        let mut blur = [0.0; 2];
-        let mut bounces = 0;
-        // Footprints are wide after a diffuse bounce, whatever they were.
-        let mut width = self.footprint.width + self.footprint.spread * path.length;
-        loop {
-            let Some(dir) = bounce_direction(&at, bounce) else {
-                return (sum, blur);
-            };
-            let before = path;
-            path.ray = at.point.spawn(dir);
-            let end = path.walk(&self.ctx, stream, &mut |_| false);
-            tally.rays += u64::from(path.depth - before.depth) + 1;
-            let (point, reflectance) = match end {
-                End::Surface {
-                    point,
-                    material: Material::Diffuse { reflectance },
-                } => (point, reflectance),
-                End::Truncated => {
-                    tally.truncated += 1;
-                    return (sum, blur);
-                }
-                // Lights are sampled directly: meeting one adds nothing.
-                End::Surface { .. } | End::Escaped => return (sum, blur),
-            };
-            width += DIFFUSE_SPREAD * (path.length - before.length);
-            at = DiffusePoint::new(point, path.ray.dir, reflectance, path.media);
-            // The caustic itself, as light for the surface before, has come
-            // there as photons that bounced here.
-            let bounced = self.gathered(&at, width, false, stream, vicinity, tally);
-            tally.rays += u64::from(LATER_SHADOW_RAYS);
-            let found = direct_light(&self.ctx, &at, stream, LATER_SHADOW_RAYS) + bounced.light[1];
-            if self.draws_in {
-                add_blur(&mut blur, bounced.blur(1, path.throughput));
-            }
-            sum += path.throughput * found;
-            path.throughput *= reflectance;
-            path.strength *= reflectance.max();
-            bounces += 1;
-            if path.depth >= self.ctx.max_depth {
-                tally.truncated += 1;
-                return (sum, blur);
-            }
-            if bounces >= SURE_BOUNCES {
-                let q = path.strength.min(0.95);
-                if stream.next_1d() >= q {
-                    return (sum, blur);
-                }
-                path.throughput = path.throughput / q;
-                path.strength /= q;
-            }
-            bounce = stream.next_2d();
-        }
-    }
-}
-
-/// A cosine-weighted direction on the viewer's side; `None` where the shading
-/// normal would send it into the surface.
-fn bounce_direction(at: &DiffusePoint, u: [f64; 2]) -> Option<DVec3> {
-    let local = warp::cosine_hemisphere(u);
-    let dir = Frame::around(at.ns).to_world(local).normalize();
-    (dir.dot(at.ng) > 0.0).then_some(dir)
 }

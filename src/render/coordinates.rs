@@ -54,6 +54,12 @@ pub(super) fn path(stream: &Stream, k: u32) -> Stream {
     stream.window(best, block)
 }
 
+/// What decides on the weaker way of that path where light first divides.
+pub(super) fn aside(stream: &Stream, k: u32) -> Stream {
+    let block = (2 * k + 2) * BLOCK + BLOCK / 2;
+    stream.window(block..block, block)
+}
+
 #[cfg(test)]
 mod tests {
     use std::collections::HashSet;

@@ -6,6 +6,7 @@
 //! decides only how many passes run.
 
 mod asking;
+mod bounce;
 mod camera_pass;
 mod camera_walk;
 mod checkpoint;
@@ -14,6 +15,7 @@ mod driver;
 mod forecast;
 mod glints;
 mod importance;
+mod indirect;
 mod inspect;
 mod lamps;
 mod learn;

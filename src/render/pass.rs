@@ -11,6 +11,7 @@ use crate::{
 };
 
 use super::{
+    bounce::Bounces,
     camera_walk::Gather,
     memory::FEWEST_PHOTONS,
     pilot::Epochs,
@@ -37,6 +38,8 @@ pub struct Renderer<'a> {
     /// Per pixel of the window and around it: whether sources may glint there;
     /// nothing where none can.
     pub(super) glinting: Vec<bool>,
+    /// How camera paths go on from their first diffuse surface.
+    bounces: Bounces,
     /// Where further samples pay if there are no photons.
     refinement: Refinement,
 }
@@ -112,12 +115,14 @@ impl<'a> Renderer<'a> {
             crop,
             glinting: Vec::new(),
             refinement: Refinement::none(),
+            bounces: Bounces::EVEN,
             plan,
         };
         renderer.glinting = renderer.find_glints();
         if settings.guidance == Guidance::Learned {
             renderer.picker = renderer.picker_by_need();
         }
+        renderer.bounces = renderer.find_bounces(emitter.as_ref());
         match emitter {
             Some(emitter) => renderer.epochs = Some(renderer.untaught(emitter)),
             None => renderer.refinement = renderer.find_refinement(None, 0, None),
@@ -272,6 +277,7 @@ impl<'a> Renderer<'a> {
             scale: self.schedule.scale(round),
             footprint: self.camera.pixel_footprint(),
             draws_in: false,
+            bounces: &self.bounces,
         }
     }
 }
