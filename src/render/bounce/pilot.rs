@@ -28,17 +28,16 @@ use crate::render::{
 };
 
 /// Pixels at which the pilot looks, and paths through each.
-const PIXELS: u64 = 256;
+const PIXELS: u64 = 512;
 const PATHS: u64 = 4;
 
 /// Numbers of its sequences among those of pilots: places, paths, and
 /// photons.
 const SEQUENCES: [u32; 3] = [10, 11, 12];
 
-/// Factor on variance times cost that aiming has to bring. Mixed directions are
-/// stratified less well than one look all around, which is not seen here: at 0.9
-/// `soft_shadow` was left with an eighth more noise after 32 passes.
-const WORTH: f64 = 0.89;
+/// Factor on variance times cost that aiming has to bring: mixed directions are
+/// stratified less well than one look all around, which is not seen here.
+const WORTH: f64 = 0.9;
 
 /// What a path found.
 #[derive(Clone, Copy, Debug, Default)]
@@ -165,24 +164,23 @@ fn inefficiency<const N: usize>(looks: &[[Look; N]], as_if: impl Fn(&Look) -> f6
     let sum = |pixel: &[Look; N], f: &dyn Fn(&Look) -> f64| pixel.iter().map(f).sum::<f64>();
     let light = |pixel: &[Look; N]| sum(pixel, &|l| l.light[0] + l.light[1]) / n;
     let mean = trimmed_mean(looks.iter().map(light));
-    let deviation = trimmed_mean(looks.iter().map(|pixel| {
-        let [direct, beyond] = [0, 1].map(|k| {
-            let sum = sum(pixel, &|l| l.light[k]);
-            let squares = sum_of_squares(pixel, k);
-            // The square of the mean, from pairs of different paths.
-            [squares / n, (sum * sum - squares) / (n * (n - 1.0))]
-        });
-        let second = sum(pixel, &|l| l.light[1].powi(2) * as_if(l)) / n;
-        let variance = direct[0] - direct[1] + second - beyond[1];
-        (variance / (light(pixel).powi(2) + 0.01 * mean * mean))
-            .max(0.0)
-            .sqrt()
-    }));
+    // Light k of a pixel: its mean square if paths are as many as said, less the
+    // square of its mean, from pairs of different paths; relative to the pixel.
+    let variance = |pixel: &[Look; N], k: usize, as_if: &dyn Fn(&Look) -> f64| {
+        let total = sum(pixel, &|l| l.light[k]);
+        let squares = sum(pixel, &|l| l.light[k].powi(2));
+        let second = sum(pixel, &|l| l.light[k].powi(2) * as_if(l)) / n;
+        let squared = (total * total - squares) / (n * (n - 1.0));
+        (second - squared) / (light(pixel).powi(2) + 0.01 * mean * mean)
+    };
+    // Further samples go where neighbours differ, which tells of edges; errors
+    // there are what such sharing leaves. It tells little of rare paths.
+    let edges = trimmed_mean(
+        looks
+            .iter()
+            .map(|p| variance(p, 0, &|_| 1.0).max(0.0).sqrt()),
+    );
+    let rare = trimmed_mean(looks.iter().map(|p| variance(p, 1, &as_if)));
     let work = |pixel: &[Look; N]| sum(pixel, &|l| l.work[0] + l.work[1] / as_if(l));
-    // Further samples go where they pay: errors are what such sharing leaves.
-    deviation * deviation * looks.iter().map(work).sum::<f64>()
-}
-
-fn sum_of_squares<const N: usize>(pixel: &[Look; N], k: usize) -> f64 {
-    pixel.iter().map(|l| l.light[k].powi(2)).sum()
+    (edges * edges + rare) * looks.iter().map(work).sum::<f64>()
 }
