@@ -95,14 +95,25 @@ impl Light {
     /// Samples the light that arrives at `p` if nothing is in the way.
     /// `None` if none can arrive.
     pub fn sample_direct(&self, p: DVec3, u: [f64; 2]) -> Option<DirectSample> {
+        self.sample_direct_of::<true>(p, u)
+    }
+
+    /// The same, where lights of a scene may have extent or do not (`SOFT`).
+    #[inline]
+    pub(crate) fn sample_direct_of<const SOFT: bool>(
+        &self,
+        p: DVec3,
+        u: [f64; 2],
+    ) -> Option<DirectSample> {
+        let soft = SOFT && built::SOFT_SHADOWS;
         match self {
             Self::Point(l) => built::HARD_SHADOWS.then(|| l.sample_direct(p))?,
             Self::Spot(l) => built::HARD_SHADOWS.then(|| l.sample_direct(p))?,
             Self::Beam(l) => built::HARD_SHADOWS.then(|| l.sample_direct(p))?,
             Self::Sun(l) => self.is_built().then(|| l.sample_direct(u))?,
-            Self::Sphere(l) => built::SOFT_SHADOWS.then(|| l.sample_direct(p, u))?,
-            Self::Quad(l) => built::SOFT_SHADOWS.then(|| l.sample_direct(p, u))?,
-            Self::Disc(l) => built::SOFT_SHADOWS.then(|| l.sample_direct(p, u))?,
+            Self::Sphere(l) => soft.then(|| l.sample_direct(p, u))?,
+            Self::Quad(l) => soft.then(|| l.sample_direct(p, u))?,
+            Self::Disc(l) => soft.then(|| l.sample_direct(p, u))?,
         }
     }
 

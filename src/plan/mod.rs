@@ -47,6 +47,9 @@ pub struct Plan {
     /// Whether some surface lets light through in a straight line, so that
     /// shadow rays must look what they cross.
     pub straight_surfaces: bool,
+    /// Whether some light is seen under a solid angle, so that samples of it
+    /// differ.
+    pub soft_lights: bool,
     /// Whether caustic photons are traced: some light can shine on a caster
     /// and on a surface that can receive.
     pub caustics: bool,
@@ -126,6 +129,7 @@ impl Plan {
                 .filter(|(_, l)| matches!(l.light, Light::Sun(_)) && l.light.has_extent())
                 .map(|(i, _)| i)
                 .collect(),
+            soft_lights: scene.lights.iter().any(|l| l.light.has_extent()),
             straight_surfaces: nest.is_some()
                 || scene.objects.iter().any(|o| o.material.is_straight()),
             caustics: built::CAUSTICS && lit.iter().any(some_lit) && !is_off(Effect::Caustics),
@@ -171,6 +175,12 @@ impl Plan {
     #[inline]
     pub fn straight_surfaces(&self) -> bool {
         (built::PANES || built::NESTING) && self.straight_surfaces
+    }
+
+    /// Whether some light is seen under a solid angle.
+    #[inline]
+    pub fn soft_lights(&self) -> bool {
+        built::SOFT_SHADOWS && self.soft_lights
     }
 
     /// Whether caustic photons are traced.

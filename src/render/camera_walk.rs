@@ -202,10 +202,28 @@ impl<'a> Gather<'a> {
         vicinity: &mut Option<Vicinity<'_>>,
         tally: &mut CameraTally,
     ) -> PixelSample {
+        if self.ctx.plan.indirect() {
+            self.shade_with::<true>(walker, at, stream, k, vicinity, tally)
+        } else {
+            self.shade_with::<false>(walker, at, stream, k, vicinity, tally)
+        }
+    }
+
+    /// The same, where light between diffuse surfaces is followed or not.
+    #[inline]
+    fn shade_with<const INDIRECT: bool>(
+        &self,
+        walker: &Walker,
+        at: &DiffusePoint,
+        stream: &Stream,
+        k: u32,
+        vicinity: &mut Option<Vicinity<'_>>,
+        tally: &mut CameraTally,
+    ) -> PixelSample {
         let mut sample = PixelSample::default();
         let mut here = coordinates::shading(stream, k);
         // Numbers that nobody needs are passed over: others keep their meaning.
-        let further = if self.ctx.plan.indirect() {
+        let further = if INDIRECT {
             Some((here.next_2d(), here.next_1d()))
         } else {
             here.skip(3);

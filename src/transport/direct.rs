@@ -126,7 +126,12 @@ impl LightPicker {
 /// are many. Lights without extent need only one ray each.
 pub fn direct_light(ctx: &Context<'_>, at: &DiffusePoint, stream: &mut Stream, rays: u32) -> Rgb {
     let mut sum = Rgb::BLACK;
-    each_light(ctx, at, stream, rays, |_, light, _| sum += light);
+    let add = |_, light, _| sum += light;
+    if ctx.plan.soft_lights() {
+        each_light::<true>(ctx, at, stream, rays, add);
+    } else {
+        each_light::<false>(ctx, at, stream, rays, add);
+    }
     sum
 }
 
@@ -139,7 +144,7 @@ pub fn direct_by_extent(
     rays: u32,
 ) -> [(Rgb, u32); 2] {
     let mut sums = [(Rgb::BLACK, 0); 2];
-    each_light(ctx, at, stream, rays, |i, light, rays| {
+    each_light::<true>(ctx, at, stream, rays, |i, light, rays| {
         let soft = ctx.scene.lights[i].light.has_extent();
         let sum = &mut sums[usize::from(soft)];
         sum.0 += light;
@@ -149,8 +154,9 @@ pub fn direct_by_extent(
 }
 
 /// Calls `add` with a light, what it sends and the shadow rays that it took.
+/// Lights may have extent, or none of the scene does (`SOFT`).
 #[inline]
-fn each_light(
+fn each_light<const SOFT: bool>(
     ctx: &Context<'_>,
     at: &DiffusePoint,
     stream: &mut Stream,
@@ -161,10 +167,14 @@ fn each_light(
     if lights <= rays as usize {
         let share = rays / lights.max(1) as u32;
         for (i, light) in ctx.scene.lights.iter().enumerate() {
-            let count = if is_soft(&light.light) { share } else { 1 };
+            let count = if is_soft::<SOFT>(&light.light) {
+                share
+            } else {
+                1
+            };
             let mut one = Rgb::BLACK;
             for _ in 0..count {
-                one += from_light(ctx, at, i, place_on(&light.light, stream));
+                one += light_of::<SOFT>(ctx, at, i, place_on::<SOFT>(&light.light, stream));
             }
             add(i, one / f64::from(count), count);
         }
@@ -174,16 +184,16 @@ fn each_light(
             // One stratum of the table for each ray.
             let (i, _) = table.sample((f64::from(k) + u) / f64::from(rays));
             let weight = 1.0 / (table.probability(i) * f64::from(rays));
-            let u = place_on(&ctx.scene.lights[i].light, stream);
-            add(i, from_light(ctx, at, i, u) * weight, 1);
+            let u = place_on::<SOFT>(&ctx.scene.lights[i].light, stream);
+            add(i, light_of::<SOFT>(ctx, at, i, u) * weight, 1);
         }
     }
 }
 
 /// Whether samples of a light differ.
 #[inline]
-fn is_soft(light: &Light) -> bool {
-    built::SOFT_SHADOWS && (!built::HARD_SHADOWS || light.has_extent())
+fn is_soft<const SOFT: bool>(light: &Light) -> bool {
+    SOFT && built::SOFT_SHADOWS && (!built::HARD_SHADOWS || light.has_extent())
 }
 
 /// What chooses a point of a light. Those without extent have only one: nothing
@@ -193,8 +203,8 @@ fn is_soft(light: &Light) -> bool {
     reason = "a call would cost as much as it saves where nothing is drawn"
 )]
 #[inline(always)]
-fn place_on(light: &Light, stream: &mut Stream) -> [f64; 2] {
-    if is_soft(light) {
+fn place_on<const SOFT: bool>(light: &Light, stream: &mut Stream) -> [f64; 2] {
+    if is_soft::<SOFT>(light) {
         stream.next_2d()
     } else {
         stream.skip(2);
@@ -205,8 +215,19 @@ fn place_on(light: &Light, stream: &mut Stream) -> [f64; 2] {
 /// Reflected radiance of one source, by one shadow ray to the point of it that
 /// `u` stands for.
 pub fn from_light(ctx: &Context<'_>, at: &DiffusePoint, index: usize, u: [f64; 2]) -> Rgb {
+    light_of::<true>(ctx, at, index, u)
+}
+
+/// The same, where lights may have extent or do not (`SOFT`).
+#[inline]
+fn light_of<const SOFT: bool>(
+    ctx: &Context<'_>,
+    at: &DiffusePoint,
+    index: usize,
+    u: [f64; 2],
+) -> Rgb {
     let light = &ctx.scene.lights[index];
-    let Some(sample) = light.light.sample_direct(at.point.p, u) else {
+    let Some(sample) = light.light.sample_direct_of::<SOFT>(at.point.p, u) else {
         return Rgb::BLACK;
     };
     let cos = sample.wi.dot(at.ns);
