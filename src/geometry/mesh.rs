@@ -260,10 +260,28 @@ impl TriangleMesh {
     ) -> (DVec3, DVec3) {
         // Degenerate triangles were dropped.
         let ng = sound_normal(corners);
+        let ns = if self.has_normals() {
+            self.normal_between(triangle, ng, uv)
+        } else {
+            ng
+        };
+        (ng, ns)
+    }
+
+    /// Whether shading normals are given.
+    #[inline]
+    fn has_normals(&self) -> bool {
+        built::SHADING_NORMALS && self.normals.is_some()
+    }
+
+    /// The shading normal on the side of `ng`. Apart from what others need: they
+    /// keep more in registers.
+    #[inline(never)]
+    fn normal_between(&self, triangle: &[u32; 3], ng: DVec3, uv: [f64; 2]) -> DVec3 {
         let smooth = self
             .corner_normals(triangle, ng)
             .and_then(|n| between(&n, uv).try_normalize());
-        (ng, smooth.filter(|ns| ns.dot(ng) > 0.0).unwrap_or(ng))
+        smooth.filter(|ns| ns.dot(ng) > 0.0).unwrap_or(ng)
     }
 
     /// The normals at the corners, each on the side of `ng` or replaced by

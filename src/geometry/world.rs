@@ -60,16 +60,18 @@ impl Instance {
         // A linear map of normals keeps the sign of ns . ng only when both
         // are the same; otherwise their angle may open.
         let ng = m.normal(own.ng);
-        let ns = if built::SHADING_NORMALS && own.ns != own.ng {
-            m.normal(own.ns)
-        } else {
-            ng
-        };
+        let mut ns = ng;
+        if built::SHADING_NORMALS && own.ns != own.ng {
+            let smooth = m.normal(own.ns);
+            if smooth.dot(ng) > 0.0 {
+                ns = smooth;
+            }
+        }
         ShapePoint {
             p: m.point(own.p),
             error: m.point_error(own.p, own.error),
             ng,
-            ns: if ns.dot(ng) > 0.0 { ns } else { ng },
+            ns,
         }
     }
 

@@ -230,7 +230,7 @@ impl Ways {
         // At most twice: once about the shading normal, and if that would
         // refract to the near side, about the geometric one.
         loop {
-            let Facing { ng, ns, .. } = facing;
+            let Facing { ng, ns, smooth, .. } = facing;
             let Interface::Partial {
                 cos_t,
                 reflectance,
@@ -242,9 +242,7 @@ impl Ways {
                     reflectance: Rgb::WHITE,
                 });
             };
-            if built::SHADING_NORMALS
-                && ns != ng
-                && optics::refract(d, ns, eta, cos_t).dot(ng) >= 0.0
+            if built::SHADING_NORMALS && smooth && optics::refract(d, ns, eta, cos_t).dot(ng) >= 0.0
             {
                 facing = facing.flat();
                 continue;
@@ -274,6 +272,9 @@ pub struct Facing {
     turn: f64,
     /// How `ng` does.
     flat_turn: f64,
+    /// Whether these are two normals: where there is one, nothing is asked of
+    /// the other.
+    smooth: bool,
 }
 
 impl Facing {
@@ -282,13 +283,24 @@ impl Facing {
     #[inline]
     fn new(point: &SurfacePoint, d: DVec3) -> Self {
         let side = if point.ng.dot(d) > 0.0 { -1.0 } else { 1.0 };
-        let facing = Self {
-            ng: point.ng * side,
-            ns: point.ns() * side,
+        let ng = point.ng * side;
+        let flat = Self {
+            ng,
+            ns: ng,
             turn: side,
-            flat_turn: if point.is_smooth() { 0.0 } else { side },
+            flat_turn: side,
+            smooth: false,
         };
-        if !built::SHADING_NORMALS || facing.ns.dot(d) < 0.0 {
+        if !point.is_smooth() {
+            return flat;
+        }
+        let facing = Self {
+            ns: point.ns() * side,
+            flat_turn: 0.0,
+            smooth: true,
+            ..flat
+        };
+        if facing.ns.dot(d) < 0.0 {
             facing
         } else {
             facing.flat()
@@ -301,6 +313,7 @@ impl Facing {
         Self {
             ns: self.ng,
             turn: self.flat_turn,
+            smooth: false,
             ..self
         }
     }
@@ -311,11 +324,12 @@ impl Facing {
     #[inline]
     fn reflected(&self, d: DVec3, share: f64, carried: Carried) -> Lobe {
         let w = optics::reflect(d, self.ns);
-        let (dir, n, turn, shading) = if !built::SHADING_NORMALS || w.dot(self.ng) > 0.0 {
-            (w, self.ns, self.turn, self.shading_factor(d, w, carried))
-        } else {
-            (optics::reflect(d, self.ng), self.ng, self.flat_turn, 1.0)
-        };
+        let (dir, n, turn, shading) =
+            if !built::SHADING_NORMALS || !self.smooth || w.dot(self.ng) > 0.0 {
+                (w, self.ns, self.turn, self.shading_factor(d, w, carried))
+            } else {
+                (optics::reflect(d, self.ng), self.ng, self.flat_turn, 1.0)
+            };
         Lobe {
             dir,
             share,
@@ -357,7 +371,7 @@ impl Facing {
     #[inline]
     fn shading_factor(&self, d: DVec3, w: DVec3, carried: Carried) -> f64 {
         let Self { ng, ns, .. } = *self;
-        if !built::SHADING_NORMALS || carried == Carried::Radiance || ng == ns {
+        if !built::SHADING_NORMALS || carried == Carried::Radiance || !self.smooth {
             return 1.0;
         }
         let factor = (d.dot(ns) * w.dot(ng) / (d.dot(ng) * w.dot(ns))).abs();

@@ -180,7 +180,7 @@ fn inefficiency<const N: usize>(looks: &[[Look; N]], as_if: impl Fn(&Look) -> f6
             .iter()
             .map(|p| variance(p, 0, &|_| 1.0).max(0.0).sqrt()),
     );
-    let rare = trimmed_mean(looks.iter().map(|p| variance(p, 1, &as_if)));
+    let rare = trimmed_mean(looks.iter().map(|p| variance(p, 1, &as_if))).max(0.0);
     let work = |pixel: &[Look; N]| sum(pixel, &|l| l.work[0] + l.work[1] / as_if(l));
     (edges * edges + rare) * looks.iter().map(work).sum::<f64>()
 }
