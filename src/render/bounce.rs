@@ -27,9 +27,9 @@ use crate::{
 /// Most spheres to aim at: every bounce asks how large each of them looks.
 const MOST_TARGETS: usize = 8;
 
-/// Part of the bounces that is aimed where there is a sphere to aim at. A
-/// quarter leaves more noise, and with nine in ten paths through glass cost more
-/// than they bring.
+/// Part of the bounces that is aimed where there is a sphere to aim at. By the
+/// count of pilots over `first` and `glass_sphere`, a quarter leaves more noise,
+/// and three quarters cost more than they bring.
 const AIMED: f64 = 0.5;
 
 /// How bounces are aimed.

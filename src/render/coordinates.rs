@@ -23,8 +23,9 @@ const SHADING: [Range<u32>; 3] = [2..24, 24..34, 34..44];
 const BEYOND: Range<u32> = 44..LOW_DISCREPANCY;
 
 /// Hashed coordinates come in blocks of so many: one for the coins of the
-/// view, and for every shaded end one for itself and one for its path. The
-/// longest path, 65,536 interactions, fits, and so do 126 ends; since the
+/// view, and for every shaded end one for itself and one for its path, whose
+/// second half is for the way aside. The longest path, 65,536 interactions, fits
+/// into a half, and so do 126 ends; since the
 /// strengths of all ends sum to at most 1 and no way below 0.03 is split off but
 /// at the first surface, there are at most 35.
 const BLOCK: u32 = 1 << 24;
@@ -85,6 +86,7 @@ mod tests {
         for k in (0..12).chain([125]) {
             read(shading(&stream, k), 1000);
             read(path(&stream, k), 1000);
+            read(aside(&stream, k), 1000);
         }
         assert!((0..LOW_DISCREPANCY).all(|d| seen.contains(&d)));
     }
