@@ -288,11 +288,9 @@ impl Film {
     pub fn spread_at(&self, pixel: usize) -> ([Rgb; REPLICATES], Rgb) {
         let replicates = self.replicates_at(pixel);
         let passes = self.passes();
-        let mut sum = RgbSum::default();
-        for replicate in &self.replicates {
-            merge_rgb(&mut sum, &replicate[pixel]);
-        }
-        let mean = self.mean(&sum, passes);
+        let weighted = replicates.iter().zip(self.passes);
+        let sum = weighted.fold(Rgb::BLACK, |sum, (&r, n)| sum + r * n as f64);
+        let mean = sum / passes.max(1) as f64;
         let (mut squares, mut used) = (Rgb::BLACK, 0.0);
         for (&replicate, n) in replicates.iter().zip(self.passes) {
             if n > 0 {

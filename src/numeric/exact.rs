@@ -87,8 +87,26 @@ impl ExactSum {
     /// The sum, rounded once.
     #[inline]
     pub fn value(self, quantum: Quantum) -> f64 {
-        self.0 as f64 * quantum.unit
+        rounded(self.0) * quantum.unit
     }
+}
+
+/// What `as f64` makes of it, with a third of the instructions: no processor
+/// converts 128 bits by itself.
+#[inline]
+fn rounded(counts: i128) -> f64 {
+    if let Ok(few) = i64::try_from(counts) {
+        return few as f64;
+    }
+    let size = counts.unsigned_abs();
+    // The first 63 bits, and whether there is more: ten bits beyond those that a
+    // float keeps, so that ties are told from what is above them.
+    let shift = 65 - size.leading_zeros();
+    let first = (size >> shift) as i64;
+    let more = size & ((1 << shift) - 1) != 0;
+    let scale = f64::from_bits(u64::from(1023 + shift) << 52);
+    let value = (first | i64::from(more)) as f64 * scale;
+    if counts < 0 { -value } else { value }
 }
 
 #[cfg(test)]
@@ -127,7 +145,29 @@ mod tests {
         assert!(s.value(q) > 0.0 && s.value(q).is_finite());
     }
 
+    /// Ties, their neighbours, and both ends of the range.
+    #[test]
+    fn halves_are_rounded_to_even() {
+        for bits in 60..127 {
+            for odd in [0, 1, 2, 3] {
+                let tie = (1i128 << bits) + (odd << (bits - 53));
+                for counts in [tie - 1, tie, tie + 1, -tie, 1 - tie] {
+                    assert_eq!(rounded(counts), counts as f64, "{counts}");
+                }
+            }
+        }
+        for counts in [0, 1, -1, i128::MAX, i128::MIN, i128::MIN + 1] {
+            assert_eq!(rounded(counts), counts as f64, "{counts}");
+        }
+    }
+
     proptest! {
+        #[test]
+        fn counts_are_rounded_as_the_language_has_it(counts: i128, down in 0..127) {
+            let counts = counts >> down;
+            prop_assert_eq!(rounded(counts), counts as f64);
+        }
+
         #[test]
         fn order_and_grouping_do_not_matter(mut xs in prop::collection::vec(-1e6..1e6f64, 1..40), cut in 0usize..40) {
             let q = Quantum::for_typical(3.0);

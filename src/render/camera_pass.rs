@@ -17,7 +17,7 @@ use super::{
     Renderer,
     camera_walk::Gather,
     coordinates,
-    glints::{self, Glints},
+    glints::{self, Glinting, Glints, Places},
     learn::PILOT_PHOTONS,
     pilot,
     refine::{REACH, Refinement},
@@ -58,7 +58,7 @@ impl Window {
 
     /// What `pixel` makes of every pixel, given by rows. Bands of tiles are
     /// worked on in parallel; `of_band` makes what the pixels of one share.
-    fn map<T: Copy + Default + Send, B>(
+    fn map<T: Clone + Default + Send, B>(
         self,
         of_band: impl Fn() -> B + Sync,
         pixel: impl Fn(u32, u32, &mut B, &mut CameraTally) -> T + Sync,
@@ -130,7 +130,12 @@ impl Renderer<'_> {
 
     /// The ray of a stream through a pixel.
     pub(super) fn ray(&self, px: u32, py: u32, stream: &Stream) -> Ray {
-        let [x, y] = self.scene.filter.place(coordinates::film(stream));
+        self.ray_at(px, py, coordinates::film(stream))
+    }
+
+    /// The ray through a pixel that belongs to a place of the unit square.
+    fn ray_at(&self, px: u32, py: u32, place: [f64; 2]) -> Ray {
+        let [x, y] = self.scene.filter.place(place);
         self.camera
             .ray(DVec2::new(f64::from(px) + x, f64::from(py) + y))
     }
@@ -145,9 +150,15 @@ impl Renderer<'_> {
         }
     }
 
-    /// Pixels in which sources may glint: those of the window and of what is
-    /// sampled around it.
-    pub(super) fn find_glints(&self) -> Vec<bool> {
+    /// Where sources may glint in a round, by pixels of the window and of what is sampled
+    /// around it; found when it is first asked for, which must not be from within a
+    /// parallel loop.
+    pub(super) fn glinting(&self, round: u32) -> &Glinting {
+        let closer = round >= glints::CLOSER_ROUND;
+        self.glinting[usize::from(closer)].get_or_init(|| self.find_glints(closer))
+    }
+
+    fn find_glints(&self, closer: bool) -> Glinting {
         if !self.plan().glints() {
             return Vec::new();
         }
@@ -158,13 +169,23 @@ impl Renderer<'_> {
         let (found, _) = window.map(
             || (),
             |px, py, (), _| {
-                (0..glints::PILOT_RAYS).any(|j| {
-                    let stream = glints::pilot_stream(self.settings.seed, self.item(px, py), j);
-                    gather.passes_near(&glints, self.ray(px, py, &stream), &stream)
-                })
+                let item = self.item(px, py);
+                let places = Places::search(closer, |j, cell| {
+                    let stream = glints::pilot_stream(self.settings.seed, item, j);
+                    let ray = self.ray_at(px, py, cell.place(coordinates::film(&stream)));
+                    gather.distances_to(&glints, ray, &stream)
+                });
+                places.map(Box::new)
             },
         );
         found
+    }
+
+    /// Whether sources may glint in a pixel, at a first look.
+    pub(super) fn glints_in(&self, px: u32, py: u32) -> bool {
+        let window = self.window().grown(self.resolution);
+        let places = self.glinting(0).get(window.index(px, py));
+        places.is_some_and(Option::is_some)
     }
 
     /// Where further samples pay, by a pilot over the whole picture, where an
@@ -241,7 +262,7 @@ impl Renderer<'_> {
                 gather.sample(self.ray(px, py, &stream), &stream, near, tally)
             },
         );
-        let refinement = self.refinement_of(round);
+        let (refinement, glinting) = (self.refinement_of(round), self.glinting(round));
         let radiance: Vec<f64> = first.iter().map(|s| s.total().mean()).collect();
         let (samples, further) = self.window().map(
             || gather.vicinity(),
@@ -263,9 +284,13 @@ impl Renderer<'_> {
                     }
                     sample = sample / f64::from(n + 1);
                 }
-                if built::GLINTS && self.glinting.get(i) == Some(&true) {
-                    sample[Layer::Emission] =
-                        self.glints(gather, round, replicate, [px, py], tally);
+                if built::GLINTS
+                    && let Some(Some(places)) = glinting.get(i)
+                {
+                    let sequence = self.sequence(Purpose::Glint, replicate, self.item(px, py));
+                    let first = u64::from(round) * glints::RAYS;
+                    let streams = (first..first + glints::RAYS).map(|j| sequence.at(j));
+                    sample[Layer::Emission] = self.glints(gather, places, streams, [px, py], tally);
                 }
                 sample
             },
@@ -278,16 +303,15 @@ impl Renderer<'_> {
     fn glints(
         &self,
         gather: &Gather<'_>,
-        round: u32,
-        replicate: u32,
+        places: &Places,
+        streams: impl Iterator<Item = Stream>,
         [px, py]: [u32; 2],
         tally: &mut CameraTally,
     ) -> Rgb {
-        let sequence = self.sequence(Purpose::Glint, replicate, self.item(px, py));
         let mut sum = Rgb::BLACK;
-        for j in 0..glints::RAYS {
-            let stream = sequence.at(u64::from(round) * glints::RAYS + j);
-            sum += gather.sources(self.ray(px, py, &stream), &stream, tally);
+        for stream in streams {
+            let (place, weight) = places.draw(coordinates::glint(&stream));
+            sum += gather.sources(self.ray_at(px, py, place), &stream, tally) * weight;
         }
         sum / glints::RAYS as f64
     }

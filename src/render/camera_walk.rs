@@ -17,7 +17,7 @@ use crate::{
 use super::{
     bounce::Bounces,
     coordinates,
-    glints::{self, Glints},
+    glints::{self, Glints, WAYS},
     tally::CameraTally,
     view::view,
 };
@@ -145,9 +145,12 @@ impl<'a> Gather<'a> {
         sum
     }
 
-    /// Whether some way through a film position passes near a source.
-    pub(super) fn passes_near(&self, glints: &Glints, ray: Ray, stream: &Stream) -> bool {
-        let mut near = false;
+    /// How near to a source the ways through a film position pass, in radii: in the
+    /// order in which they come to their ends, which is the same for positions
+    /// whose ways do the same.
+    pub(super) fn distances_to(&self, glints: &Glints, ray: Ray, stream: &Stream) -> [f64; WAYS] {
+        let mut found = [f64::INFINITY; WAYS];
+        let mut ends = 0;
         let coins = coordinates::coins(stream);
         view(
             &self.ctx,
@@ -155,9 +158,14 @@ impl<'a> Gather<'a> {
             glints::PILOT_SPLIT_ABOVE,
             coins,
             &mut CameraTally::default(),
-            |walker, end, _| near |= glints.near(walker, end),
+            |walker, end, _| {
+                if let Some(found) = found.get_mut(ends) {
+                    *found = glints.distance(walker, end);
+                }
+                ends += 1;
+            },
         );
-        near
+        found
     }
 
     /// What a walk sees of a source at its end.

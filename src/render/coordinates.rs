@@ -35,6 +35,13 @@ pub(super) fn film(stream: &Stream) -> [f64; 2] {
     stream.window(FILM, FILM.end).next_2d()
 }
 
+/// Where in its pixel a ray looks for sources: among which places, and where there.
+pub(super) fn glint(stream: &Stream) -> (f64, [f64; 2]) {
+    let mut here = stream.window(FILM.start..FILM.end + 1, FILM.end + 1);
+    let within = here.next_2d();
+    (here.next_1d(), within)
+}
+
 /// The coins of the view, where light divides and one way is not followed.
 pub(super) fn coins(stream: &Stream) -> Stream {
     stream.window(LOW_DISCREPANCY..BLOCK, BLOCK)

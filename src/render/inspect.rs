@@ -17,8 +17,7 @@ use crate::{
 use super::{
     Renderer,
     camera_walk::Gather,
-    coordinates,
-    glints::{self, Glints},
+    coordinates, glints,
     importance::{Importance, beam, reach},
     share::PATH,
     tally::CameraTally,
@@ -115,6 +114,16 @@ impl Renderer<'_> {
         self.camera.ray(glam::DVec2::new(u * w, v * h))
     }
 
+    /// The pixel through which that goes.
+    fn pixel(&self, stream: &Stream) -> [u32; 2] {
+        let [u, v] = coordinates::film(stream);
+        let [w, h] = self.resolution;
+        [
+            ((u * f64::from(w)) as u32).min(w - 1),
+            ((v * f64::from(h)) as u32).min(h - 1),
+        ]
+    }
+
     /// Photon paths of a pass for every camera sample of one sample a pixel, in
     /// rays cast.
     pub(crate) fn photon_effort(&self) -> f64 {
@@ -132,18 +141,16 @@ impl Renderer<'_> {
         mut found: impl FnMut(&Sight),
     ) {
         let gather = self.scout(map, 0);
-        let glints = self.plan().glints().then(|| Glints::new(self.scene));
         let mut near = gather.vicinity();
         for i in 0..count {
             let stream = sequence.at(i);
-            found(&self.sight(&gather, glints.as_ref(), &stream, &mut near));
+            found(&self.sight(&gather, &stream, &mut near));
         }
     }
 
     fn sight(
         &self,
         gather: &Gather<'_>,
-        glints: Option<&Glints>,
         stream: &Stream,
         near: &mut Option<Vicinity<'_>>,
     ) -> Sight {
@@ -155,8 +162,8 @@ impl Renderer<'_> {
         let end = sight.walk(ctx, &mut walker, &mut coins);
         sight.depth = walker.depth;
         sight.effort.view = f64::from(walker.depth.max(1));
-        let is_glint = glints.is_some_and(|g| gather.passes_near(g, ray, stream));
-        if is_glint {
+        let [px, py] = self.pixel(stream);
+        if self.glints_in(px, py) {
             sight.effort.glints = sight.effort.view * glints::RAYS as f64;
         }
         match &end {

@@ -1,6 +1,8 @@
 //! One pass: photons, map, camera samples. A pure function of the scene, the
 //! settings, the seed and the pass index.
 
+use std::sync::OnceLock;
+
 use crate::{
     film::{PixelSample, blur_weight},
     photon::{Emitter, PhotonMap, Shot, Tally, shoot_for},
@@ -13,6 +15,7 @@ use crate::{
 use super::{
     bounce::Bounces,
     camera_walk::Gather,
+    glints::Glinting,
     memory::FEWEST_PHOTONS,
     pilot::Epochs,
     refine::Refinement,
@@ -35,9 +38,8 @@ pub struct Renderer<'a> {
     pub(super) resolution: [u32; 2],
     pub(super) camera: crate::camera::Camera,
     pub(super) crop: [u32; 4],
-    /// Per pixel of the window and around it: whether sources may glint there;
-    /// nothing where none can.
-    pub(super) glinting: Vec<bool>,
+    /// Where sources may glint, after a first look and after a closer one.
+    pub(super) glinting: [OnceLock<Glinting>; 2],
     /// How camera paths go on from their first diffuse surface.
     bounces: Bounces,
     /// Where further samples pay if there are no photons.
@@ -113,12 +115,13 @@ impl<'a> Renderer<'a> {
             resolution,
             camera: scene.camera.with_resolution(resolution),
             crop,
-            glinting: Vec::new(),
+            glinting: Default::default(),
             refinement: Refinement::none(),
             bounces: Bounces::EVEN,
             plan,
         };
-        renderer.glinting = renderer.find_glints();
+        // Whoever asks next may do so from many threads.
+        renderer.glinting(0);
         if settings.guidance == Guidance::Learned {
             renderer.picker = renderer.picker_by_need();
         }

@@ -80,10 +80,14 @@ impl Figures {
         }
         let of_all = Square::of(noise, blur, &all);
         let spread = Spread::of(all.iter().map(|&i| total.values()[i]));
-        all.sort_by(|a, b| expected(a).total_cmp(&expected(b)).then(a.cmp(b)));
         let pixels = all.len();
         // Rounded down, as `relmse_trimmed` has it; at least one stays.
-        all.truncate(((pixels as f64 * (1.0 - WORST)) as usize).max(1));
+        let kept = ((pixels as f64 * (1.0 - WORST)) as usize).max(1);
+        if kept < pixels {
+            let worse = |a: &usize, b: &usize| expected(a).total_cmp(&expected(b)).then(a.cmp(b));
+            all.select_nth_unstable_by(kept, worse);
+            all.truncate(kept);
+        }
         let kept = Square::of(noise, blur, &all);
         Some(Self {
             pixels,
