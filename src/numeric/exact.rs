@@ -91,8 +91,8 @@ impl ExactSum {
     }
 }
 
-/// What `as f64` makes of it, with a third of the instructions: no processor
-/// converts 128 bits by itself.
+/// What `as f64` makes of it, with fewer instructions: no processor converts 128
+/// bits by itself.
 #[inline]
 fn rounded(counts: i128) -> f64 {
     if let Ok(few) = i64::try_from(counts) {

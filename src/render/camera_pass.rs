@@ -181,13 +181,6 @@ impl Renderer<'_> {
         found
     }
 
-    /// Whether sources may glint in a pixel, at a first look.
-    pub(super) fn glints_in(&self, px: u32, py: u32) -> bool {
-        let window = self.window().grown(self.resolution);
-        let places = self.glinting(0).get(window.index(px, py));
-        places.is_some_and(Option::is_some)
-    }
-
     /// Where further samples pay, by a pilot over the whole picture, where an
     /// epoch launches so many photon paths a pass; `None` before the first.
     pub(super) fn find_refinement(

@@ -22,7 +22,7 @@ use crate::{
     transport::{End, Walker},
 };
 
-pub(super) use places::{Places, WAYS};
+pub(super) use places::{NEAR, Places, WAYS};
 
 /// Strength above which the pilot follows both ways: images weaker than this
 /// are not the ones that spoil a picture.
@@ -41,8 +41,8 @@ pub(super) const RAYS: u64 = 4;
 pub(super) type Glinting = Vec<Option<Box<Places>>>;
 
 /// The round from which on pixels are looked at more closely: what is so rare that only
-/// that finds it spoils long renders alone, and the search takes as long as two
-/// to four passes.
+/// that finds it spoils long renders alone, and the search takes as long as about
+/// two passes.
 pub(super) const CLOSER_ROUND: u32 = 4;
 
 /// What can glint.

@@ -17,7 +17,8 @@ use crate::{
 use super::{
     Renderer,
     camera_walk::Gather,
-    coordinates, glints,
+    coordinates,
+    glints::{self, Glints, NEAR},
     importance::{Importance, beam, reach},
     share::PATH,
     tally::CameraTally,
@@ -114,16 +115,6 @@ impl Renderer<'_> {
         self.camera.ray(glam::DVec2::new(u * w, v * h))
     }
 
-    /// The pixel through which that goes.
-    fn pixel(&self, stream: &Stream) -> [u32; 2] {
-        let [u, v] = coordinates::film(stream);
-        let [w, h] = self.resolution;
-        [
-            ((u * f64::from(w)) as u32).min(w - 1),
-            ((v * f64::from(h)) as u32).min(h - 1),
-        ]
-    }
-
     /// Photon paths of a pass for every camera sample of one sample a pixel, in
     /// rays cast.
     pub(crate) fn photon_effort(&self) -> f64 {
@@ -141,16 +132,18 @@ impl Renderer<'_> {
         mut found: impl FnMut(&Sight),
     ) {
         let gather = self.scout(map, 0);
+        let glints = self.plan().glints().then(|| Glints::new(self.scene));
         let mut near = gather.vicinity();
         for i in 0..count {
             let stream = sequence.at(i);
-            found(&self.sight(&gather, &stream, &mut near));
+            found(&self.sight(&gather, glints.as_ref(), &stream, &mut near));
         }
     }
 
     fn sight(
         &self,
         gather: &Gather<'_>,
+        glints: Option<&Glints>,
         stream: &Stream,
         near: &mut Option<Vicinity<'_>>,
     ) -> Sight {
@@ -162,8 +155,13 @@ impl Renderer<'_> {
         let end = sight.walk(ctx, &mut walker, &mut coins);
         sight.depth = walker.depth;
         sight.effort.view = f64::from(walker.depth.max(1));
-        let [px, py] = self.pixel(stream);
-        if self.glints_in(px, py) {
+        let passes_near = |g| {
+            gather
+                .distances_to(g, ray, stream)
+                .iter()
+                .any(|d| *d <= NEAR)
+        };
+        if glints.is_some_and(passes_near) {
             sight.effort.glints = sight.effort.view * glints::RAYS as f64;
         }
         match &end {

@@ -271,3 +271,16 @@ fn every_verdict_has_a_reason() {
         }
     }
 }
+
+/// Rays that look for glints are work, wherever in the picture they are.
+#[test]
+fn glints_are_work() {
+    let work = |render: &str| {
+        let scene = mixed(render);
+        let survey = Survey::of(&scene, &scene.settings, scene.resolution);
+        effect(&survey, Effect::Glints).work
+    };
+    let [with, without] = ["", "effects: (glints: Off)"].map(work);
+    assert!(with.is_some_and(|w| w > 1e-4), "{with:?}");
+    assert!(without.is_none_or(|w| w == 0.0), "{without:?}");
+}

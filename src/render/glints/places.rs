@@ -22,7 +22,7 @@ pub(in crate::render) const WAYS: usize = 8;
 const REACH: f64 = 64.0;
 
 /// Ways that pass within so many radii of a source say that it may be seen.
-const NEAR: f64 = 3.0;
+pub(in crate::render) const NEAR: f64 = 3.0;
 
 /// A cell of which ways are seen may hold others that come nearer by so many times the
 /// difference between it and its siblings.
