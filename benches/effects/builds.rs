@@ -53,12 +53,11 @@ pub(crate) fn compare(words: &[String]) {
     }
     say("\nnot called for          left out         whole    share");
     if names.is_empty() {
-        for scene in PLAIN {
-            let lacks = lacks(scene);
-            let program = build(&lacks);
+        let groups = PLAIN.map(lacks);
+        for (lacks, program) in built(groups.iter().map(Vec::as_slice)) {
             let names: Vec<&str> = lacks.iter().map(|e| e.name()).collect();
             say(&format!("without {}:", names.join(", ")));
-            let poorer = PLAIN.iter().filter(|s| contains(&self::lacks(s), &lacks));
+            let poorer = PLAIN.iter().filter(|s| contains(&self::lacks(s), lacks));
             for (i, other) in poorer.enumerate() {
                 let pairs = if i == 0 { pairs } else { 0 };
                 beside(&format!("{} effects", lacks.len()), other, &program, pairs);
@@ -73,15 +72,20 @@ pub(crate) fn compare(words: &[String]) {
             .map(|n| Effect::named(n).unwrap_or_else(|| panic!("no effect {n}")))
             .collect(),
     };
-    let programs: Vec<(Effect, PathBuf)> = effects
+    let programs: Vec<(Effect, PathBuf)> = built(effects.chunks(1))
         .into_iter()
-        .map(|effect| {
-            let program = build(&[effect]);
-            beside(effect.title(), lacking(effect), &program, pairs);
-            (effect, program)
-        })
+        .map(|(effect, program)| (effect[0], program))
         .collect();
+    for (effect, program) in &programs {
+        beside(effect.title(), lacking(*effect), program, pairs);
+    }
     price::table(&programs);
+}
+
+/// Builds without each of some groups of effects. All are built before the
+/// first is timed: compilers leave a machine warm.
+fn built<'a>(groups: impl Iterator<Item = &'a [Effect]>) -> Vec<(&'a [Effect], PathBuf)> {
+    groups.map(|group| (group, build(group))).collect()
 }
 
 /// What a scene does not call for.
