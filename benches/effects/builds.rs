@@ -41,20 +41,22 @@ fn lacking(effect: Effect) -> &'static str {
 
 /// Prices groups of effects, or those that are named.
 pub(crate) fn compare(words: &[String]) {
-    let (mut names, mut pairs) = (Vec::new(), 0);
+    let (mut names, mut pairs, mut builder) = (Vec::new(), 0, build as Builder);
     let mut words = words.iter();
     while let Some(word) = words.next() {
-        if word == "--pairs" {
-            let value = words.next().map(|w| w.parse());
-            pairs = value.and_then(Result::ok).expect("--pairs needs a number");
-        } else {
-            names.push(word.as_str());
+        match word.as_str() {
+            "--pairs" => {
+                let value = words.next().map(|w| w.parse());
+                pairs = value.and_then(Result::ok).expect("--pairs needs a number");
+            }
+            "--kept" => builder = kept,
+            name => names.push(name),
         }
     }
     say("\nnot called for          left out         whole    share");
     if names.is_empty() {
         let groups = PLAIN.map(lacks);
-        for (lacks, program) in built(groups.iter().map(Vec::as_slice)) {
+        for (lacks, program) in built(builder, groups.iter().map(Vec::as_slice)) {
             let names: Vec<&str> = lacks.iter().map(|e| e.name()).collect();
             say(&format!("without {}:", names.join(", ")));
             let poorer = PLAIN.iter().filter(|s| contains(&self::lacks(s), lacks));
@@ -72,7 +74,7 @@ pub(crate) fn compare(words: &[String]) {
             .map(|n| Effect::named(n).unwrap_or_else(|| panic!("no effect {n}")))
             .collect(),
     };
-    let programs: Vec<(Effect, PathBuf)> = built(effects.chunks(1))
+    let programs: Vec<(Effect, PathBuf)> = built(builder, effects.chunks(1))
         .into_iter()
         .map(|(effect, program)| (effect[0], program))
         .collect();
@@ -82,10 +84,16 @@ pub(crate) fn compare(words: &[String]) {
     price::table(&programs);
 }
 
-/// Builds without each of some groups of effects. All are built before the
+/// What finds the program without some effects.
+type Builder = fn(&[Effect]) -> PathBuf;
+
+/// The programs without each of some groups of effects. All are built before the
 /// first is timed: compilers leave a machine warm.
-fn built<'a>(groups: impl Iterator<Item = &'a [Effect]>) -> Vec<(&'a [Effect], PathBuf)> {
-    groups.map(|group| (group, build(group))).collect()
+fn built<'a>(
+    builder: Builder,
+    groups: impl Iterator<Item = &'a [Effect]>,
+) -> Vec<(&'a [Effect], PathBuf)> {
+    groups.map(|group| (group, builder(group))).collect()
 }
 
 /// What a scene does not call for.
@@ -109,16 +117,19 @@ fn beside(what: &str, scene: &str, less: &Path, pairs: usize) {
     let [without, with] = [less, &whole].map(|program| job.cost(program));
     row(what, scene, without, with);
     if pairs > 0 {
-        in_turns(&job.passes(PASSES_IN_TURNS), less, &whole, pairs);
+        in_turns(job, less, &whole, pairs);
     }
 }
 
-/// Passes of a process that is timed.
-const PASSES_IN_TURNS: u32 = 17;
+/// Processor time of a process that is timed, about: the system counts it in
+/// steps of some milliseconds.
+const SECONDS_IN_TURNS: f64 = 0.8;
 
 /// Times both programs by turns: the median of the ratios, and an interval that
 /// holds it in 95 of 100 cases, by the ranks of the binomial law.
-fn in_turns(job: &Job, less: &Path, whole: &Path, pairs: usize) {
+fn in_turns(job: Job, less: &Path, whole: &Path, pairs: usize) {
+    let pass = 1e-6 * job.by(whole).time;
+    let job = job.passes((SECONDS_IN_TURNS / pass).clamp(16.0, 1e4) as u32);
     let mut ratios: Vec<f64> = (0..pairs)
         .map(|i| {
             let by = |program| job.by(program).time;
@@ -149,16 +160,13 @@ fn in_turns(job: &Job, less: &Path, whole: &Path, pairs: usize) {
 fn build(without: &[Effect]) -> PathBuf {
     let names: Vec<&str> = without.iter().map(|e| e.name()).collect();
     let names = names.join(",");
-    // A folder of its own: nobody is to find a program there that lacks
-    // something.
-    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("builds");
     let cargo = env::var("CARGO").unwrap_or_else(|_| "cargo".to_owned());
     let output = Command::new(cargo)
         .args(["bench", "--no-run", "--bench", "effects"])
         .args(["--message-format", "json", "--manifest-path"])
         .arg(Path::new(env!("CARGO_MANIFEST_DIR")).join("Cargo.toml"))
         .arg("--target-dir")
-        .arg(&folder)
+        .arg(folder())
         .env("NEPHROID_WITHOUT", &names)
         .output();
     let output = output.unwrap_or_else(|e| panic!("cargo: {e}"));
@@ -172,7 +180,25 @@ fn build(without: &[Effect]) -> PathBuf {
         .find_map(|message| message["executable"].as_str().map(PathBuf::from))
         .unwrap_or_else(|| panic!("cargo names no program: {text}"));
     // The next build takes its place.
-    let kept = folder.join(names.replace(',', "-"));
-    fs::copy(&program, &kept).unwrap_or_else(|e| panic!("{}: {e}", kept.display()));
-    kept
+    let place = place(without);
+    fs::copy(&program, &place).unwrap_or_else(|e| panic!("{}: {e}", place.display()));
+    place
+}
+
+/// What was built the last time.
+fn kept(without: &[Effect]) -> PathBuf {
+    let place = place(without);
+    assert!(place.exists(), "{}: build it first", place.display());
+    place
+}
+
+/// A folder of its own: nobody is to find a program there that lacks something.
+fn folder() -> PathBuf {
+    Path::new(env!("CARGO_TARGET_TMPDIR")).join("builds")
+}
+
+/// Where the program without some effects is kept.
+fn place(without: &[Effect]) -> PathBuf {
+    let names: Vec<&str> = without.iter().map(|e| e.name()).collect();
+    folder().join(names.join("-"))
 }

@@ -7,8 +7,8 @@
 //! scenes lack, and sets the builds side by side; `-- --builds mirrors panes`
 //! does so for single effects, and `-- --builds all` for every one, which takes
 //! a build of some minutes each. `-- --builds --pairs 31` times the builds in
-//! turns, too. `-- --price` says what effects take and bring in scenes that
-//! call for them.
+//! turns, too; `--kept` takes the builds of the last time. `-- --price` says what
+//! effects take and bring in scenes that call for them.
 //!
 //! Every number is a process of its own that runs a number of passes on one
 //! thread; what a pass takes is the difference between two such numbers, so
