@@ -34,8 +34,11 @@ impl Renderer<'_> {
     pub(super) fn picker_by_need(&self) -> LightPicker {
         let ctx = self.called_for();
         let lights = ctx.scene.lights.len();
-        // A ray for each light where the eye looks, one for all beyond.
-        if lights < 2 || (lights <= MOST_SHADOW_RAYS && !ctx.plan.indirect()) {
+        // Every light gets a ray where the eye looks; fewer go from where light
+        // comes by a bounce, or by a weak reflection.
+        let objects = &ctx.scene.objects;
+        let weakens = ctx.plan.indirect() || objects.iter().any(|o| o.material.is_specular());
+        if lights < 2 || (lights <= MOST_SHADOW_RAYS && !weakens) {
             return ctx.picker.clone();
         }
         let [least, most] = PATHS;
@@ -106,7 +109,38 @@ fn scores(sent: &[Sent], lights: usize) -> Vec<f64> {
 
 #[cfg(test)]
 mod tests {
+    use std::path::Path;
+
     use super::*;
+    use crate::{render::Job, scene::load_str};
+
+    /// A ball of glass in front of a wall with a strong lamp behind it. Through
+    /// the ball a weak reflection may cost the floor one of its two shadow rays:
+    /// it must not go to the lamp that nobody sees.
+    #[test]
+    fn lamps_behind_walls_get_few_rays_from_weak_reflections() {
+        let text = "(camera: (eye: (0, -4, 2.5), look_at: (0, 0, 0.3), fov: 40),
+            image: (width: 32, height: 24),
+            objects: [
+                (shape: Plane(point: (0, 0, 0), normal: (0, 0, 1)), material: Diffuse(reflectance: 0.5)),
+                (shape: Sphere(center: (0, 0, 0.8), radius: 0.5), material: Dielectric(ior: 1.5)),
+                (shape: Plane(point: (0, 4, 0), normal: (0, -1, 0)), material: Diffuse(reflectance: 0.5)),
+            ],
+            lights: [
+                Sphere(center: (-1, 0.5, 4), radius: 0.1, power: 100),
+                Sphere(center: (1, 8, 4), radius: 0.1, power: 1e5),
+            ],
+            render: (indirect: false))";
+        let scene = load_str(text, "wall", Path::new("")).unwrap_or_else(|e| panic!("{e}"));
+        let job = Job::of(&scene);
+        let renderer = Renderer::new(&scene, &job.settings, job.resolution, job.window());
+        let table = renderer
+            .picker
+            .table()
+            .unwrap_or_else(|| panic!("lamps shine"));
+        let strong = table.probability(1);
+        assert!(strong < 0.2, "{strong} of the rays to the strong lamp");
+    }
 
     /// Two points of the picture, one lit by 3 and 1, one by 4 of the second
     /// light alone and, after a bounce, by 2 of the first: means 4 and 6, floor
