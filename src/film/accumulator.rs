@@ -3,11 +3,11 @@
 //!
 //! Every pass belongs to one of eight replicates (pass index modulo 8). The
 //! film keeps, per pixel, the total of each replicate and each layer over all
-//! replicates: 8 + 4 colours of three 16-byte sums, and four sums of what
-//! narrower kernels find otherwise: **640 bytes per pixel**. The replicates
+//! replicates: 8 + 4 colours of three 16-byte sums, and eight sums of what
+//! narrower kernels find otherwise: **704 bytes per pixel**. The replicates
 //! are independent estimates of the same picture, so their spread is its noise
 //! ([`Film::noise`]). The differences of kernels are summed ([`blur_weight`]) for
-//! even and for odd replicates apart: the product of two independent estimates of a
+//! four groups of replicates apart: the product of two independent estimates of a
 //! number has the number's square as its mean, whatever their noise ([`Film::blur`]).
 //!
 //! A layer and a total are rounded to the quantum separately: the layers of a
@@ -37,29 +37,32 @@ const RANGE_IN_QUANTA_LOG2: i32 = 64 + 40;
 
 pub(super) type RgbSum = [ExactSum; 3];
 
-/// Halves of the replicates whose differences of kernels are summed apart:
-/// those with even and those with odd numbers.
-pub const HALVES: usize = 2;
+/// Groups of replicates whose differences of kernels are summed apart: two that
+/// follow each other make one.
+pub const GROUPS: usize = 4;
+
+/// Replicates of a group.
+const GROUP: usize = REPLICATES / GROUPS;
 
 /// Rounds of which every pass tells how narrower kernels differ.
-const TELLING_ROUNDS: u32 = 4;
+const TELLING_ROUNDS: u32 = 8;
 
-/// How often [`PixelSample::blur`] of a pass counts: once in the first four
-/// rounds, when little is known of it. Later, two passes of either half of the
-/// replicates count twice and need not be asked in the others, where it is 0: a
+/// How often [`PixelSample::blur`] of a pass counts: once in the first eight
+/// rounds, when little is known of it. Later, one replicate of each group
+/// counts twice and need not be asked in the other, where it is 0: a
 /// round counts as before, for half the work.
 pub const fn blur_weight(pass_index: u32) -> f64 {
     if pass_index < TELLING_ROUNDS * REPLICATES as u32 {
         1.0
-    } else if pass_index % 4 < 2 {
+    } else if pass_index.is_multiple_of(GROUP as u32) {
         2.0
     } else {
         0.0
     }
 }
 
-/// Sums of [`PixelSample::blur`], one for each half of the replicates.
-type BlurSum = [[ExactSum; 2]; HALVES];
+/// Sums of [`PixelSample::blur`], one for each group of replicates.
+type BlurSum = [[ExactSum; 2]; GROUPS];
 
 /// The sums of a render; see the module's text.
 #[derive(Clone, Debug, PartialEq)]
@@ -179,10 +182,10 @@ impl Film {
                 for (((total, layers), blur), sample) in sums.zip(samples) {
                     if is_in_range(sample, limit) {
                         add_sample(total, layers, sample, quantum);
-                        let half = &mut blur[replicate % HALVES];
+                        let group = &mut blur[replicate / GROUP];
                         // Where no photon comes there is none.
                         if weight > 0.0 && sample.blur != [0.0; 2] {
-                            for (sum, step) in half.iter_mut().zip(sample.blur) {
+                            for (sum, step) in group.iter_mut().zip(sample.blur) {
                                 sum.add(weight * step, quantum);
                             }
                         }
@@ -316,24 +319,17 @@ impl Film {
         std::array::from_fn(|r| self.mean(&self.replicates[r][pixel], self.passes[r]))
     }
 
-    /// The mean of [`PixelSample::blur`] over the passes of one half of the
-    /// replicates, weighted by [`blur_weight`], 0 for the even and 1 for the odd
-    /// ones: row by row, zero before the first pass. After half rounds and whole
-    /// ones the weights are on average one, in between one more or less of all
-    /// passes. The halves are independent estimates of one
-    /// thing.
-    ///
-    /// # Panics
-    /// If `half` is not below [`HALVES`].
-    pub fn blur(&self, half: usize) -> Vec<[f64; 2]> {
-        let of_half = |r: &usize| r % HALVES == half;
-        let passes: u64 = (0..REPLICATES)
-            .filter(of_half)
-            .map(|r| self.passes[r])
-            .sum();
-        let passes = passes.max(1) as f64;
-        let mean = |sums: &BlurSum| sums[half].map(|s| s.value(self.quantum) / passes);
-        self.blur.par_iter().map(mean).collect()
+    /// The means of [`PixelSample::blur`] over the passes of each group of
+    /// replicates that has any, weighted by [`blur_weight`]: row by row. After an even number of a
+    /// group's passes the weights are on average one, in between one more or less of all
+    /// its passes. The groups are independent estimates of one thing.
+    pub fn blur(&self) -> Vec<Vec<[f64; 2]>> {
+        let of_group = |group: usize| {
+            let passes: u64 = self.passes[group * GROUP..][..GROUP].iter().sum();
+            let mean = |sums: &BlurSum| sums[group].map(|s| s.value(self.quantum) / passes as f64);
+            (passes > 0).then(|| self.blur.par_iter().map(mean).collect())
+        };
+        (0..GROUPS).filter_map(of_group).collect()
     }
 
     fn mean(&self, sum: &RgbSum, passes: u64) -> Rgb {

@@ -7,7 +7,7 @@
 //! | passes of each replicate | 8 x 8 |
 //! | samples refused | 8 |
 //! | for each row, for each replicate and then each layer, for each channel: the bytes `w` of a count, then the row's counts | 1 + `w` x width |
-//! | the same for each half of the replicates and each step between kernels | 1 + `w` x width |
+//! | the same for each group of the replicates and each step between kernels | 1 + `w` x width |
 //!
 //! All numbers are little-endian, counts in two's complement. `w` (1 to 16) is
 //! what the row's largest count needs: sums of a row have about the same size,
@@ -19,7 +19,7 @@ use std::io::{self, Read, Write};
 use rayon::prelude::*;
 use thiserror::Error;
 
-use super::accumulator::{Film, HALVES, REPLICATES};
+use super::accumulator::{Film, GROUPS, REPLICATES};
 use crate::numeric::{ExactSum, exact::Quantum};
 
 /// Rows that are encoded at a time, in parallel.
@@ -29,7 +29,7 @@ const ROWS: usize = 64;
 const LISTS: usize = REPLICATES + 4;
 const COLOURS: usize = 3 * LISTS;
 /// The same with the differences of kernels.
-const PLANES: usize = COLOURS + 2 * HALVES;
+const PLANES: usize = COLOURS + 2 * GROUPS;
 /// Bytes before the rows.
 const HEAD: usize = 4 + 4 + 8 + 8 * REPLICATES + 8;
 /// Bytes of the widest count.
@@ -88,9 +88,9 @@ impl Film {
                 encode(sums, &mut bytes);
             }
         }
-        for half in 0..HALVES {
+        for group in 0..GROUPS {
             for step in 0..2 {
-                let sums = self.blur[row.clone()].iter().map(|s| s[half][step]);
+                let sums = self.blur[row.clone()].iter().map(|s| s[group][step]);
                 encode(sums, &mut bytes);
             }
         }

@@ -12,7 +12,7 @@
 //!
 //! The two kernels share their photons, so their difference has far less noise
 //! than that of two renders. What noise it has must not count as bias: the
-//! squares that enter are products of the two halves of the replicates, whose
+//! squares that enter are products of two of four groups of replicates, whose
 //! noise is independent, so that it averages out.
 
 use std::f64::consts::PI;
@@ -81,21 +81,18 @@ impl Blur {
         let scales: Vec<f64> = colours
             .map(|(&hue, &squares)| 1.0 / relative(hue * hue, squares).sqrt())
             .collect();
-        let [even, odd] = [film.blur(0), film.blur(1)];
-        let relative = |half: &[[f64; 2]], i: usize| half[i].map(|step| step / scales[i]);
-        let product = |f: fn([f64; 2], [f64; 2]) -> f64| {
+        let groups = film.blur();
+        let steps = |f: fn(&Steps) -> f64| {
             ground.plane(|i| {
-                if ground.lit[i] {
-                    f(relative(&even, i), relative(&odd, i))
-                } else {
-                    0.0
+                if !ground.lit[i] {
+                    return 0.0;
                 }
+                let relative = |group: &Vec<[f64; 2]>| group[i].map(|step| step / scales[i]);
+                f(&Steps::of(groups.iter().map(relative)))
             })
         };
-        let firsts = product(|[a, _], [b, _]| a * b);
-        let seconds = product(|[a1, a2], [b1, b2]| 0.5 * (a1 * b2 + a2 * b1));
-        let spread = product(|[a, _], [b, _]| 0.5 * (a - b) * (a - b));
-        let step = ground.plane(|i| 0.5 * (relative(&even, i)[0] + relative(&odd, i)[0]));
+        let [firsts, seconds] = [steps(Steps::square), steps(Steps::product)];
+        let [spread, step] = [steps(Steps::noise), steps(Steps::first)];
         let (ratio, unsure) = ratio_of(&firsts, &seconds);
         let growth = growth(&firsts, &seconds, &spread, ratio);
         let own = Plane::join(&firsts, &growth, |f, g| f * g);
@@ -122,6 +119,55 @@ impl Blur {
             hue * (size * self.scales[i])
         });
         Image::new(ground.width as u32, ground.height as u32, pixels.collect())
+    }
+}
+
+/// Sums over groups of replicates of what each finds of the two steps.
+#[derive(Default)]
+struct Steps {
+    count: f64,
+    sums: [f64; 2],
+    /// Of the squares of the first step, and of its products with the second.
+    squares: f64,
+    products: f64,
+}
+
+impl Steps {
+    fn of(groups: impl Iterator<Item = [f64; 2]>) -> Self {
+        groups.fold(Self::default(), |s, [first, second]| Self {
+            count: s.count + 1.0,
+            sums: [s.sums[0] + first, s.sums[1] + second],
+            squares: s.squares + first * first,
+            products: s.products + first * second,
+        })
+    }
+
+    /// Ordered pairs of different groups.
+    fn pairs(&self) -> f64 {
+        self.count * (self.count - 1.0)
+    }
+
+    /// The square of the first step: the mean of the products of two different
+    /// groups.
+    fn square(&self) -> f64 {
+        (self.sums[0] * self.sums[0] - self.squares) / self.pairs()
+    }
+
+    /// The product of both steps, likewise.
+    fn product(&self) -> f64 {
+        (self.sums[0] * self.sums[1] - self.products) / self.pairs()
+    }
+
+    /// What the square strays by where there is no step: the variance of a
+    /// group, times the root of two over the pairs.
+    fn noise(&self) -> f64 {
+        let deviations = self.squares - self.sums[0] * self.sums[0] / self.count;
+        deviations.max(0.0) / (self.count - 1.0) * (2.0 / self.pairs()).sqrt()
+    }
+
+    /// The first step.
+    fn first(&self) -> f64 {
+        self.sums[0] / self.count
     }
 }
 

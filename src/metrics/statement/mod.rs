@@ -30,7 +30,7 @@ use super::{
     plane::Plane,
 };
 use crate::{
-    film::{Film, HALVES, Image, Layer, REPLICATES},
+    film::{Film, Image, Layer, REPLICATES},
     spectrum::Rgb,
 };
 
@@ -113,12 +113,10 @@ impl Statement {
 
     /// What `film` lets suppose of the error of all lit pixels, also when only
     /// some replicates have passes: good for a forecast, not for a statement.
-    /// `None` before four replicates have one, even and odd ones among them,
-    /// or of a black picture.
+    /// `None` before four replicates have one, or of a black picture.
     pub fn early(film: &Film) -> Option<Figures> {
         let present = present(film);
-        let half = |h: usize| present.iter().any(|r| r % HALVES == h);
-        if present.len() < FEWEST || !(0..HALVES).all(half) {
+        if present.len() < FEWEST {
             return None;
         }
         let e = Evidence::of(film)?;
