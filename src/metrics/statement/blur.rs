@@ -280,3 +280,44 @@ pub(super) fn block_sums(plane: &Plane) -> Vec<f64> {
     }
     sums
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_left_is_the_sum_of_the_steps() {
+        // A geometric series with the usual ratio, and one step beyond which all
+        // go on as usual, by hand: 1 + 0.3 (1 + r (1 + ...)) with r from 0.37.
+        assert!((left(USUAL) - 1.0 / (1.0 - USUAL)).abs() < 1e-12);
+        let (mut sum, mut step, mut ratio) = (0.0, 1.0, 0.3);
+        while step > 1e-15 {
+            sum += step;
+            step *= ratio;
+            ratio = 0.25 * USUAL + 0.75 * ratio;
+        }
+        assert!((left(0.3) / sum - 1.0).abs() < 1e-3, "{} {sum}", left(0.3));
+        // Less than if an unresolved fold never came to be resolved.
+        assert!(left(0.9) > left(0.7) && left(0.9) < 0.6 / (1.0 - 0.9));
+        let rise = (left(0.61) - left(0.6)) / 0.01 / left(0.605);
+        assert!((slope(0.605) / rise - 1.0).abs() < 1e-2);
+    }
+
+    #[test]
+    fn squares_of_steps_do_not_hold_their_noise() {
+        let groups = [[0.3, 0.1], [0.1, 0.2], [-0.1, 0.0], [0.5, 0.3]];
+        let steps = Steps::of(groups.into_iter());
+        let (mut square, mut product) = (0.0, 0.0);
+        for (i, a) in groups.iter().enumerate() {
+            for (_, b) in groups.iter().enumerate().filter(|(j, _)| *j != i) {
+                square += a[0] * b[0] / 12.0;
+                product += a[0] * b[1] / 12.0;
+            }
+        }
+        assert!((steps.square() - square).abs() < 1e-15);
+        assert!((steps.product() - product).abs() < 1e-15);
+        assert!((steps.first() - 0.2).abs() < 1e-15);
+        // Squared deviations sum to 0.2: a variance of 0.2 / 3 of each group.
+        assert!((steps.noise() - 0.2 / 3.0 / 6f64.sqrt()).abs() < 1e-15);
+    }
+}

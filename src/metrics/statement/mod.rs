@@ -2,7 +2,7 @@
 //!
 //! The error of a pixel is the root of the mean over its channels of
 //! (x - truth)^2 / (x~^2 + 0.01 mean^2), where x~ is the picture itself,
-//! smoothed, since the truth is not known: so [`relmse`](super::relmse) has it
+//! smoothed as far as it is noisy, since the truth is not known: so [`relmse`](super::relmse) has it
 //! but for that. Two things make it up:
 //!
 //! - *noise*, the spread of the eight replicates (`noise`);
@@ -76,6 +76,8 @@ struct Ground {
     /// Squares of the denominators, per pixel and channel; zero only where
     /// the whole picture is black.
     squares: Vec<Rgb>,
+    /// Variances of the picture, as each pixel knows its own, (W/m2/sr)^2.
+    variances: Vec<Rgb>,
     lit: Vec<bool>,
     caustic: Vec<bool>,
     /// The layer of that name.
@@ -165,14 +167,15 @@ impl Ground {
         // Without the darkest and the brightest replicate: a spark would hide
         // itself in its own denominator.
         let present = present(film);
-        let steady: Vec<Rgb> = (0..width * height)
-            .into_par_iter()
-            .map(|i| noise::without_extremes(&film.replicates_at(i), &present))
-            .collect();
-        let near = box_kernel(1);
-        let smooth: [Plane; 3] = [0, 1, 2].map(|c| {
-            let plane = Plane::new(width, height, steady.iter().map(|p| p[c]).collect());
-            convolve(&plane, &near, &near)
+        let known = |i: usize| {
+            let (replicates, variance) = film.spread_at(i);
+            (noise::without_extremes(&replicates, &present), variance)
+        };
+        let pixels = (0..width * height).into_par_iter();
+        let (steady, variances): (Vec<Rgb>, Vec<Rgb>) = pixels.map(known).unzip();
+        let smooth = [0, 1, 2].map(|c| {
+            let plane = |of: &[Rgb]| Plane::new(width, height, of.iter().map(|p| p[c]).collect());
+            smoothed(&plane(&steady), &plane(&variances))
         });
         let squares = (0..width * height)
             .map(|i| Rgb([0, 1, 2].map(|c| smooth[c].values()[i])))
@@ -187,6 +190,7 @@ impl Ground {
         let caustic = caustic.map(|((c, all), &lit)| lit && c.mean() > CAUSTIC * all.mean());
         Some(Self {
             squares,
+            variances,
             caustic: caustic.collect(),
             caustics,
             lit,
@@ -202,6 +206,24 @@ impl Ground {
     }
 }
 
+/// A picture drawn to the mean of the 3 x 3 pixels around, as far as what keeps a
+/// pixel apart from them may be its noise (W. James and C. Stein, *Estimation with
+/// Quadratic Loss*, Berkeley Symp. 1961): a dark pixel beside a bright one stays dark.
+fn smoothed(steady: &Plane, variances: &Plane) -> Plane {
+    let near = box_kernel(1);
+    let [smooth, around] = [steady, variances].map(|p| convolve(p, &near, &near));
+    let noise = Plane::join(&around, variances, f64::max);
+    let apart = Plane::join(steady, &smooth, |own, near| own - near);
+    let kept = Plane::join(&apart, &noise, |apart, noise| {
+        if apart * apart > noise {
+            apart * (1.0 - noise / (apart * apart))
+        } else {
+            0.0
+        }
+    });
+    Plane::join(&smooth, &kept, |near, kept| near + kept)
+}
+
 /// The mean over so many pixels to either side.
 fn box_kernel(radius: usize) -> Vec<f64> {
     normalized(kernel(radius, |_| 1.0)).0
@@ -210,4 +232,30 @@ fn box_kernel(radius: usize) -> Vec<f64> {
 /// The mean over the channels of `squares` over those of the denominators.
 fn relative(squares: Rgb, denominators: Rgb) -> f64 {
     Rgb([0, 1, 2].map(|c| squares[c] / denominators[c])).mean()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Away from the edge of a shadow nothing changes; beside it dark pixels stay
+    /// dark where there is little noise, and are drawn to the mean where there is
+    /// much.
+    #[test]
+    fn pixels_are_smoothed_as_far_as_they_are_noisy() {
+        let step = Plane::new(
+            8,
+            3,
+            (0..24).map(|i| f64::from(u8::from(i % 8 > 3))).collect(),
+        );
+        let even = |v: f64| Plane::new(8, 3, vec![v; 24]);
+        let at = |noise: f64, x: usize| smoothed(&step, &even(noise)).row(1)[x];
+        for noise in [0.0, 1e-4, 1.0] {
+            assert!(at(noise, 1).abs() < 1e-15 && (at(noise, 6) - 1.0).abs() < 1e-15);
+        }
+        assert!(at(0.0, 3).abs() < 1e-15);
+        assert!((at(1.0, 3) - 1.0 / 3.0).abs() < 1e-15);
+        // A third apart: a ninth over the variance.
+        assert!((at(0.02, 3) - (1.0 - (1.0 - 0.02 * 9.0)) / 3.0).abs() < 1e-12);
+    }
 }

@@ -42,8 +42,6 @@ pub(super) fn one_sided(values: usize) -> f64 {
 pub(super) struct Noise {
     /// As each pixel knows it alone: without bias.
     pub(super) own: Plane,
-    /// The same of every channel, in (W/m2/sr)^2.
-    variances: Vec<Rgb>,
     /// Moderated by the pixels around.
     pub(super) pooled: Plane,
     /// Squared deviations of each replicate from their mean; zero for those
@@ -57,7 +55,7 @@ impl Noise {
     pub(super) fn of(film: &Film, ground: &Ground) -> Self {
         let present = present(film);
         let spread = |i: usize| {
-            let (replicates, variance) = film.spread_at(i);
+            let replicates = film.replicates_at(i);
             let sum = present
                 .iter()
                 .fold(Rgb::BLACK, |sum, &r| sum + replicates[r]);
@@ -67,18 +65,17 @@ impl Noise {
                 let deviation = replicates[r] - mean;
                 deviations[r] = relative(deviation * deviation, ground.squares[i]);
             }
-            (variance, deviations)
+            deviations
         };
         let pixels = (0..ground.squares.len()).into_par_iter();
-        let (variances, deviations): (Vec<Rgb>, Vec<_>) = pixels.map(spread).unzip();
-        let own = ground.plane(|i| relative(variances[i], ground.squares[i]));
+        let deviations = pixels.map(spread).collect();
+        let own = ground.plane(|i| relative(ground.variances[i], ground.squares[i]));
         let around = convolve(&own, &box_kernel(REACH), &box_kernel(REACH));
         let pooled = Plane::join(&own, &around, |own, around| {
             (OWN * own + AROUND * around) / (OWN + AROUND)
         });
         Self {
             own,
-            variances,
             pooled,
             deviations,
             present,
@@ -90,7 +87,8 @@ impl Noise {
         let pixels = self.own.values().iter().zip(self.pooled.values());
         let pixels = pixels.enumerate().map(|(i, (own, pooled))| {
             let around = (pooled - OWN / (OWN + AROUND) * own).max(0.0);
-            let variance = self.variances[i] * (OWN / (OWN + AROUND)) + ground.squares[i] * around;
+            let variance =
+                ground.variances[i] * (OWN / (OWN + AROUND)) + ground.squares[i] * around;
             variance.map(f64::sqrt)
         });
         Image::new(ground.width as u32, ground.height as u32, pixels.collect())
