@@ -134,10 +134,8 @@ mod tests {
         let scene = load_str(text, "wall", Path::new("")).unwrap_or_else(|e| panic!("{e}"));
         let job = Job::of(&scene);
         let renderer = Renderer::new(&scene, &job.settings, job.resolution, job.window());
-        let table = renderer
-            .picker
-            .table()
-            .unwrap_or_else(|| panic!("lamps shine"));
+        let ctx = renderer.called_for();
+        let table = ctx.picker.table().unwrap_or_else(|| panic!("lamps shine"));
         let strong = table.probability(1);
         assert!(strong < 0.2, "{strong} of the rays to the strong lamp");
     }
