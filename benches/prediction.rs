@@ -1,6 +1,7 @@
 //! Is the price right? Renders scenes, predicts at 1 %, 2 % and 20 % of the
 //! passes which error the picture will state at the end and how many passes and
-//! how much processor time it takes to get there, and compares.
+//! how much processor time it takes to get there, and compares. At the end it
+//! says how often the error was predicted at 20 % of shorter renders, too.
 //!
 //! `cargo bench --bench prediction` takes the scenes of `SCENES`; a name takes
 //! `scenes/NAME.ron` alone. `--rounds N` (47) and `--width N` (96 pixels) say
@@ -48,6 +49,10 @@ const SCENES: [&str; 22] = [
 /// Parts of the passes at which is predicted, and the largest factor between
 /// prediction and truth that is good then.
 const LOOKS: [(f64, f64); 3] = [(0.01, 2.0), (0.02, 2.0), (0.2, 1.3)];
+
+/// Where shorter renders end, in passes, for which is predicted at
+/// 20 %, too.
+const SHORTER: [u32; 4] = [88, 128, 184, 264];
 
 /// Part of the pixels that are left out of the error.
 const WORST: f64 = 0.001;
@@ -102,10 +107,11 @@ fn main() {
          passes to it: predicted (90 %)      found  ratio | CPU s: predicted (90 %)    found  ratio",
     );
     let mut verdicts = LOOKS.map(|_| Verdict::default());
+    let mut shorter = SHORTER.map(|_| Verdict::default());
     for name in &options.names {
         let scene =
             load(Path::new(&format!("scenes/{name}.ron"))).unwrap_or_else(|e| panic!("{e}"));
-        judge(name, &scene, &options, &mut verdicts);
+        judge(name, &scene, &options, &mut verdicts, &mut shorter);
     }
     for ((part, good), verdict) in LOOKS.iter().zip(verdicts) {
         say(&format!(
@@ -114,9 +120,21 @@ fn main() {
             verdict.words(*good)
         ));
     }
+    for (passes, verdict) in SHORTER.iter().zip(shorter) {
+        say(&format!(
+            "at 20 % of {passes} passes: error within a factor of {} in {} of {}, its interval held in {}",
+            LOOKS[2].1, verdict.errors, verdict.pictures, verdict.errors_held
+        ));
+    }
 }
 
-fn judge(name: &str, scene: &Scene, options: &Options, verdicts: &mut [Verdict; 3]) {
+fn judge(
+    name: &str,
+    scene: &Scene,
+    options: &Options,
+    verdicts: &mut [Verdict; 3],
+    shorter: &mut [Verdict; 4],
+) {
     let reference = options.references.as_ref().and_then(|directory| {
         let path = format!("{directory}/{name}.exr");
         read_exr(Path::new(&path), "").ok()
@@ -151,6 +169,16 @@ fn judge(name: &str, scene: &Scene, options: &Options, verdicts: &mut [Verdict; 
     for ((part, good), verdict) in LOOKS.iter().zip(verdicts) {
         let last = (part * f64::from(end.passes)).ceil() as u32;
         predict(name, (&looks, &clock), last, *good, verdict);
+    }
+    let [.., (part, good)] = LOOKS;
+    for (passes, verdict) in SHORTER.iter().zip(shorter) {
+        let last = (part * f64::from(*passes)).ceil() as u32;
+        let (forecast, _) = forecast((&looks, &clock), last);
+        let error = forecast.error_after(*passes);
+        let end = looks.iter().find(|look| look.passes == *passes);
+        if let (Some(error), Some(end)) = (error, end) {
+            verdict.count(&error, end.figures.error, good);
+        }
     }
     if let Some(reference) = reference {
         let found = true_error(&film, &reference);
@@ -203,24 +231,14 @@ fn predict(
     let Some(end) = looks.last() else {
         return;
     };
-    let mut forecast = Forecast::new();
-    let mut passes = 0;
-    for look in looks.iter().take_while(|look| look.passes <= last) {
-        for pass in passes..look.passes {
-            forecast.clock(pass + 1, clock[pass as usize]);
-        }
-        forecast.observe(look.passes, &look.figures);
-        passes = look.passes;
-    }
+    let (forecast, passes) = forecast((looks, clock), last);
     let Some(error) = forecast.error_after(end.passes) else {
         return;
     };
     let mut line = format!("{name:<16} {passes:>6} |");
     let found = end.figures.error;
     line += &row(&error, found, 100.0);
-    verdict.pictures += 1;
-    verdict.errors += close(&error, found, good);
-    verdict.errors_held += held(&error, found);
+    verdict.count(&error, found, good);
     // With room for rounding.
     match forecast.price(end.figures.bound * 1.000_001) {
         Some(Price::Passes { passes, seconds }) => {
@@ -239,6 +257,20 @@ fn predict(
         other => line += &format!(" {other:?}"),
     }
     say(&line);
+}
+
+/// What the looks up to pass `last` let expect, and the last of them.
+fn forecast((looks, clock): (&[Look], &[f64]), last: u32) -> (Forecast, u32) {
+    let mut forecast = Forecast::new();
+    let mut passes = 0;
+    for look in looks.iter().take_while(|look| look.passes <= last) {
+        for pass in passes..look.passes {
+            forecast.clock(pass + 1, clock[pass as usize]);
+        }
+        forecast.observe(look.passes, &look.figures);
+        passes = look.passes;
+    }
+    (forecast, passes)
 }
 
 fn row(of: &Interval, found: f64, scale: f64) -> String {
@@ -285,6 +317,12 @@ struct Verdict {
 }
 
 impl Verdict {
+    fn count(&mut self, error: &Interval, found: f64, good: f64) {
+        self.pictures += 1;
+        self.errors += close(error, found, good);
+        self.errors_held += held(error, found);
+    }
+
     fn words(&self, good: f64) -> String {
         format!(
             "of {} scenes, error within a factor of {good} in {}, its interval held in {}; \

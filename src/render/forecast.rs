@@ -27,7 +27,7 @@ const BIAS: [f64; 3] = [-1.0 / 3.0, 0.34, 0.01];
 
 /// Standard deviations of logarithms of stated noise² and bias², beside what
 /// the replicates tell: how they stray about such lines.
-const STATED: [f64; 2] = [0.15, 0.32];
+const STATED: [f64; 2] = [0.15, 0.2];
 
 /// A normal deviate lies within so many standard deviations in nine cases of
 /// ten, and is below so many in nine of ten.
