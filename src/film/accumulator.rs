@@ -39,7 +39,7 @@ pub(super) type RgbSum = [ExactSum; 3];
 
 /// Groups of replicates whose differences of kernels are summed apart: two that
 /// follow each other make one.
-pub const GROUPS: usize = 4;
+pub(super) const GROUPS: usize = 4;
 
 /// Replicates of a group.
 const GROUP: usize = REPLICATES / GROUPS;
@@ -320,9 +320,10 @@ impl Film {
     }
 
     /// The means of [`PixelSample::blur`] over the passes of each group of
-    /// replicates that has any, weighted by [`blur_weight`]: row by row. After an even number of a
-    /// group's passes the weights are on average one, in between one more or less of all
-    /// its passes. The groups are independent estimates of one thing.
+    /// replicates that has any, weighted by [`blur_weight`]: row by row. After an
+    /// even number of a group's passes the weights are on average one, in between
+    /// one more or less of all its passes. The groups are independent estimates of
+    /// one thing.
     pub fn blur(&self) -> Vec<Vec<[f64; 2]>> {
         let of_group = |group: usize| {
             let passes: u64 = self.passes[group * GROUP..][..GROUP].iter().sum();

@@ -18,7 +18,7 @@ mod layer;
 mod png_file;
 mod state;
 
-pub use accumulator::{Film, GROUPS, MergeError, REPLICATES, blur_weight};
+pub use accumulator::{Film, MergeError, REPLICATES, blur_weight};
 pub use atomic::OutputError;
 pub use exr_file::{
     Attribute, Provenance, Window, encode_exr, write_exr, write_film, write_film_with,

@@ -8,9 +8,9 @@
 //! s^p, the step from s to s / 2^(1/2) shows 1 - r of it, r = 2^(-p/2), and the
 //! next step r (1 - r): the ratio of the steps tells r, and the first step,
 //! over 1 - r, what blur is left. For smooth light p is 2 and r is 1/2; at
-//! folds p is smaller, where light is blurred symmetrically larger. What kernels do
-//! not resolve yet has ratios near 1 that will fall: the ratios of steps that nobody has
-//! seen go back to the usual one.
+//! folds p is smaller, where light is blurred symmetrically larger. What kernels
+//! do not resolve yet has ratios near 1 that will fall: the ratios of steps that
+//! nobody has seen go back to the usual one.
 //!
 //! The two kernels share their photons, so their difference has far less noise
 //! than that of two renders. What noise it has must not count as bias: the
@@ -37,8 +37,8 @@ const STRAYS: f64 = 0.08;
 
 /// What stays of the difference between a ratio and the usual one from each step
 /// to the next, and how many steps are followed. A fold that kernels do not
-/// resolve yet has ratios near 1, which fall as they come to resolve it: with 1, as if they never did,
-/// `hall_of_mirrors` states 1.5 to 1.9 times its error, with 1/2 `cup` four fifths of its own.
+/// resolve yet has ratios near 1, which fall as they come to resolve it: with 1
+/// here, as if they never did, `hall_of_mirrors` stated 1.5 to 1.9 times its error.
 const STAYS: f64 = 0.75;
 const FOLLOWED: u32 = 12;
 
@@ -287,8 +287,7 @@ mod tests {
 
     #[test]
     fn what_is_left_is_the_sum_of_the_steps() {
-        // A geometric series with the usual ratio, and one step beyond which all
-        // go on as usual, by hand: 1 + 0.3 (1 + r (1 + ...)) with r from 0.37.
+        // Of the usual ratio it is a geometric series.
         assert!((left(USUAL) - 1.0 / (1.0 - USUAL)).abs() < 1e-12);
         let (mut sum, mut step, mut ratio) = (0.0, 1.0, 0.3);
         while step > 1e-15 {

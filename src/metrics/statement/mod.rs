@@ -2,8 +2,8 @@
 //!
 //! The error of a pixel is the root of the mean over its channels of
 //! (x - truth)^2 / (x~^2 + 0.01 mean^2), where x~ is the picture itself,
-//! smoothed as far as it is noisy, since the truth is not known: so [`relmse`](super::relmse) has it
-//! but for that. Two things make it up:
+//! smoothed as far as it is noisy, since the truth is not known: so
+//! [`relmse`](super::relmse) has it but for that. Two things make it up:
 //!
 //! - *noise*, the spread of the eight replicates (`noise`);
 //! - *bias*, the blur of the kernels that gather photons, from what narrower
@@ -208,7 +208,8 @@ impl Ground {
 
 /// A picture drawn to the mean of the 3 x 3 pixels around, as far as what keeps a
 /// pixel apart from them may be its noise (W. James and C. Stein, *Estimation with
-/// Quadratic Loss*, Berkeley Symp. 1961): a dark pixel beside a bright one stays dark.
+/// Quadratic Loss*, Berkeley Symp. 1961): a dark pixel beside a bright one stays
+/// dark, whose errors would otherwise look small.
 fn smoothed(steady: &Plane, variances: &Plane) -> Plane {
     let near = box_kernel(1);
     let [smooth, around] = [steady, variances].map(|p| convolve(p, &near, &near));
