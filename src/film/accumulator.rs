@@ -45,9 +45,9 @@ pub(super) const GROUPS: usize = 4;
 const GROUP: usize = REPLICATES / GROUPS;
 
 /// Rounds of which every pass tells how narrower kernels differ.
-const TELLING_ROUNDS: u32 = 8;
+const TELLING_ROUNDS: u32 = 6;
 
-/// How often [`PixelSample::blur`] of a pass counts: once in the first eight
+/// How often [`PixelSample::blur`] of a pass counts: once in the first six
 /// rounds, when little is known of it. Later, one replicate of each group
 /// counts twice and need not be asked in the other, where it is 0: a
 /// round counts as before, for half the work.

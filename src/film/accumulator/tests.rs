@@ -119,7 +119,7 @@ fn rounds_count_alike_in_the_blur() {
     let mut film = Film::new(1, 1, quantum());
     for pass in 0..144 {
         let told = blur_weight(pass) > 0.0;
-        assert!(told || pass >= 64, "{pass}");
+        assert!(told || pass >= 48, "{pass}");
         let blur = if told {
             [f64::from(pass / 8), 1.0]
         } else {
