@@ -9,7 +9,9 @@
 //! averages references over N x N pixels, of scenes with box filters; `NAME` takes
 //! that scene alone, and `NAME=NOISE` says of a reference what relMSE its own
 //! noise has, without the worst 0.1 % of its pixels: it counts in quadrature,
-//! and pictures whose error is not five times as large are not judged.
+//! and pictures whose error is not five times as large are not judged. Pixels are
+//! judged with the noise of that pixel, where the reference has a layer
+//! `error.noise`.
 
 #[path = "estimators/exact/mod.rs"]
 #[allow(
@@ -38,6 +40,8 @@ struct Truth {
     image: Image,
     /// relMSE of its noise.
     noise: f64,
+    /// The same of every pixel.
+    noises: Vec<f64>,
 }
 
 /// Pixels of both tails of a normal distribution beyond 90 %, squared.
@@ -136,10 +140,17 @@ fn truths(options: &Options) -> impl Iterator<Item = Truth> {
         let scene = load(Path::new(&format!("scenes/{name}.ron"))).ok()?;
         let path = format!("{directory}/{name}.exr");
         let image = read_exr(Path::new(&path), "").unwrap_or_else(|e| panic!("{path}: {e}"));
+        let image = shrunk(&image, factor);
+        let layer = read_exr(Path::new(&path), "error.noise").ok();
+        let layer = layer.filter(|_| factor == 1);
         Some(Truth {
             name,
             scene,
-            image: shrunk(&image, factor),
+            noises: layer.map_or_else(
+                || vec![noise; image.pixels().len()],
+                |layer| relative(&layer, &image),
+            ),
+            image,
             noise,
         })
     });
@@ -158,9 +169,21 @@ fn truths(options: &Options) -> impl Iterator<Item = Truth> {
             scene,
             image: Image::new(width, height, pixels.collect()),
             noise: 0.0,
+            noises: vec![0.0; (width * height) as usize],
         }
     });
     rendered.chain(exact)
+}
+
+/// Squares of the `noise` of every pixel, relative to a truth as relMSE has it.
+fn relative(noise: &Image, truth: &Image) -> Vec<f64> {
+    let mean = truth.mean().mean();
+    let pixels = noise.pixels().iter().zip(truth.pixels());
+    let relative = pixels.map(|(n, t)| {
+        let of = |c: usize| n[c] * n[c] / (t[c] * t[c] + 0.01 * mean * mean);
+        (0..3).map(of).sum::<f64>() / 3.0
+    });
+    relative.collect()
 }
 
 /// The means over squares of so many pixels.
@@ -208,21 +231,13 @@ struct Found {
 
 impl Found {
     fn of(truth: &Truth, errors: &Plane, statement: &Statement, region: &[bool]) -> Self {
-        let own = NORMAL_SQUARED * truth.noise;
-        let mean = truth.image.mean().mean();
-        let noise = statement.noise.pixels().iter().zip(truth.image.pixels());
-        let noise = noise.map(|(n, t)| {
-            let relative = |c: usize| n[c] * n[c] / (t[c] * t[c] + 0.01 * mean * mean);
-            (0..3).map(relative).sum::<f64>() / 3.0
-        });
-        let pixels = errors
-            .values()
-            .iter()
-            .zip(statement.bound.values())
-            .zip(noise);
+        let noise = relative(&statement.noise, &truth.image);
+        let pixels = errors.values().iter().zip(statement.bound.values());
+        let pixels = pixels.zip(noise.into_iter().zip(&truth.noises));
         let pixels = pixels.zip(region).filter(|(_, inside)| **inside);
         let (mut squares, mut within, mut within_noise) = (Vec::new(), 0, 0);
-        for (((&error, bound), noise), _) in pixels {
+        for (((&error, bound), (noise, own)), _) in pixels {
+            let own = NORMAL_SQUARED * own;
             squares.push(error);
             within += usize::from(error <= bound * bound + own);
             within_noise += usize::from(error <= NORMAL_SQUARED * noise + own);

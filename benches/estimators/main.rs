@@ -6,12 +6,15 @@
 //! scene (all without; several may be named) and lets every method double its
 //! photons until the next picture would take longer than that (5 without).
 //! `--rendered` compares with SPPM as this renderer has it alone, whose photons
-//! go through the scene as they do in any renderer. `--plateau` lets the renderer alone go on until relMSE 1e-4, to see that no
-//! bias stops it.
+//! go through the scene as they do in any renderer. `--plateau` lets the renderer
+//! alone go on until relMSE 1e-4, to see that no bias stops it. `--differences
+//! FILE.ron` takes a scene without a known truth: how its pictures of two seeds come
+//! nearer to each other, and what they state of themselves.
 
 #[path = "../common/clock.rs"]
 mod clock;
 mod cost;
+mod differences;
 mod exact;
 mod ours;
 mod rivals;
@@ -42,10 +45,14 @@ struct Options {
     seconds: f64,
     plateau: bool,
     rendered: bool,
+    files: Vec<String>,
 }
 
 fn main() {
     let options = options();
+    for file in &options.files {
+        differences::differences(file, options.seconds);
+    }
     for case in &options.cases {
         let reference = case.reference();
         table::heading(case, &reference);
@@ -65,6 +72,7 @@ fn options() -> Options {
         seconds: 5.0,
         plateau: false,
         rendered: false,
+        files: Vec::new(),
     };
     let mut words = env::args().skip(1);
     while let Some(word) = words.next() {
@@ -86,12 +94,15 @@ fn options() -> Options {
             }
             "--plateau" => options.plateau = true,
             "--rendered" => options.rendered = true,
+            "--differences" => options.files.push(value()),
             // Cargo says so to every bench.
             "--bench" => {}
-            _ => panic!("{word}? There are --seconds S, --scene NAME, --rendered and --plateau"),
+            _ => panic!(
+                "{word}? There are --seconds S, --scene NAME, --rendered, --plateau and --differences FILE"
+            ),
         }
     }
-    if options.cases.is_empty() {
+    if options.cases.is_empty() && options.files.is_empty() {
         options.cases = CASES.iter().filter_map(|name| Case::named(name)).collect();
     }
     options
@@ -119,7 +130,7 @@ fn compare_rendered(case: &Case, reference: &Reference, seconds: f64) {
 fn plateau(case: &Case, reference: &Reference, seconds: f64) {
     let own = ours(case, reference, seconds, PLATEAU);
     table::rows(&own);
-    table::slopes(&own);
+    table::slopes(&own, "photons");
     match own.cost_to(PLATEAU) {
         Some([seconds, _]) => say(&format!("no plateau down to {PLATEAU:e}: {seconds:.2} s")),
         None => say(&format!("{PLATEAU:e} was not reached in {seconds} s")),

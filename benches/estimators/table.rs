@@ -48,7 +48,7 @@ pub(crate) fn summary(own: &Series, progressive: &[Series], untuned: usize) {
         )),
         None => say(&format!("nephroid did not reach relMSE {TARGET:e}")),
     }
-    slopes(own);
+    slopes(own, "photons");
 }
 
 fn versus(how: &str, own: &Series, rival: &Series) {
@@ -72,9 +72,9 @@ fn versus(how: &str, own: &Series, rival: &Series) {
     ));
 }
 
-/// Exponents of the error against photons and seconds, with their 95 %
-/// confidence intervals.
-pub(crate) fn slopes(series: &Series) {
+/// Exponents of the error against photons, or what else the rows count, and
+/// seconds, with their 95 % confidence intervals.
+pub(crate) fn slopes(series: &Series, counted: &str) {
     let errors: Vec<f64> = series.rows.iter().map(|r| r.error).collect();
     let by = |what: &str, cost: fn(&Row) -> f64| {
         let costs: Vec<f64> = series.rows.iter().map(cost).collect();
@@ -87,7 +87,7 @@ pub(crate) fn slopes(series: &Series) {
     say(&format!(
         "{} error ~ {}, {}",
         series.name,
-        by("photons", |r| r.photons as f64),
+        by(counted, |r| r.photons as f64),
         by("seconds", |r| r.seconds)
     ));
 }

@@ -26,7 +26,7 @@ use crate::{
     spectrum::Rgb,
 };
 
-use super::{Ground, box_kernel, convolve, relative};
+use super::{Ground, box_kernel, convolve, relative, standing_out};
 use crate::metrics::{convolve::gaussian, plane::Plane};
 
 /// Ratio of the steps before it is known, and how far a picture's ratio strays
@@ -56,6 +56,14 @@ const TRUST: f64 = 20.0;
 const OWN: (f64, usize) = (1.0, 2);
 const AROUND: (f64, usize) = (2.0, 4);
 
+/// The squared step of a pixel differs from those around where it does by more
+/// than so many standard deviations of its noise.
+const APART: f64 = 2.0;
+
+/// Blur that is left takes a pixel's brightness down or up by this factor at
+/// most.
+const CORRECTED: f64 = 3.0;
+
 /// Pixels along the blocks whose sums tell how sure the picture's sums are:
 /// wider than what kernels correlate.
 pub(super) const BLOCK: usize = 8;
@@ -75,6 +83,8 @@ pub(super) struct Blur {
     pub(super) order: f64,
     /// First step, signed, averaged over the nearest pixels.
     step: Plane,
+    /// The blur that is left, in first steps.
+    left: Plane,
     /// Colours of the light that was gathered, of mean one.
     hues: Vec<Rgb>,
     /// Bias of the colour's mean over the relative bias.
@@ -88,7 +98,7 @@ impl Blur {
         let hues: Vec<Rgb> = light.map(|(&c, &d)| hue(c + d)).collect();
         let colours = hues.par_iter().zip(&ground.squares);
         let scales: Vec<f64> = colours
-            .map(|(&hue, &squares)| 1.0 / relative(hue * hue, squares).sqrt())
+            .map(|(&hue, &squares)| scale(hue, squares))
             .collect();
         let [firsts, seconds, spread, step] = {
             let groups = film.blur();
@@ -104,18 +114,38 @@ impl Blur {
             [Steps::square, Steps::product, Steps::noise, Steps::first].map(plane)
         };
         let (ratio, unsure) = ratio_of(&firsts, &seconds);
-        let growth = growth(&firsts, &seconds, &spread, ratio);
-        let own = Plane::join(&firsts, &growth, |f, g| f * g);
+        let spread = convolve(&spread, &box_kernel(2), &box_kernel(2));
+        let left = around(&firsts, &seconds, &spread, ratio);
+        let grown = |squares: &Plane| Plane::join(squares, &left, |s, l| s * l * l);
         let near = gaussian(OWN.1, OWN.0);
-        let nearby = certain(&convolve(&firsts, &near, &near), &spread);
         Self {
-            pooled: Plane::join(&nearby, &growth, |f, g| f * g),
-            own,
+            pooled: grown(&certain(&firsts, &convolve(&firsts, &near, &near), &spread)),
+            own: grown(&firsts),
             doubt: 2.0 * unsure * slope(ratio),
             order: -2.0 * libm::log2(ratio),
             step: convolve(&step, &near, &near),
+            left,
             hues,
             scales,
+        }
+    }
+
+    /// Sets errors in relation to the picture without the blur that is left: beside
+    /// a bright line the truth is darker than the picture, and what is too much
+    /// there is more of it than it looks.
+    pub(super) fn correct(&mut self, ground: &mut Ground) {
+        let steps = self.step.values().iter().zip(self.left.values());
+        for (i, (step, left)) in steps.enumerate() {
+            if *step == 0.0 {
+                continue;
+            }
+            let bias = self.hues[i] * (step * left * self.scales[i]);
+            ground.take_off(i, bias, CORRECTED);
+            let scale = scale(self.hues[i], ground.squares[i]);
+            let grows = (self.scales[i] / scale).powi(2);
+            self.own.values_mut()[i] *= grows;
+            self.pooled.values_mut()[i] *= grows;
+            self.scales[i] = scale;
         }
     }
 
@@ -130,6 +160,11 @@ impl Blur {
         });
         Image::new(ground.width as u32, ground.height as u32, pixels.collect())
     }
+}
+
+/// Light of this colour, and a mean of one, over its relative size.
+fn scale(hue: Rgb, squares: Rgb) -> f64 {
+    1.0 / relative(hue * hue, squares).sqrt()
 }
 
 /// The blur that is left, in first steps, by the ratio of the second to the first:
@@ -234,12 +269,18 @@ fn ratio_of(firsts: &Plane, seconds: &Plane) -> (f64, f64) {
     )
 }
 
-/// Of squares averaged over the nearest pixels, what is not likely to be noise:
-/// half of one that is half as large as the standard deviation of its noise.
-fn certain(squares: &Plane, spread: &Plane) -> Plane {
-    let spread = convolve(spread, &box_kernel(2), &box_kernel(2));
+/// The squared step of each pixel: those averaged over the nearest pixels, but
+/// for what stands out from its noise (`spread`); and of that, what is not
+/// likely to be noise: half of one that is half as large as the standard deviation
+/// of its noise.
+fn certain(own: &Plane, nearby: &Plane, spread: &Plane) -> Plane {
+    let apart = Plane::join(own, nearby, |own, near| own - near);
+    let apart = Plane::join(&apart, spread, |apart, noise| {
+        standing_out(apart, (APART * noise).powi(2))
+    });
+    let squares = Plane::join(nearby, &apart, |near, apart| near + apart);
     let noise = 0.5 / averaged(OWN.0).sqrt();
-    Plane::join(squares, &spread, |s, v| {
+    Plane::join(&squares, spread, |s, v| {
         if s > 0.0 {
             s * s / (s + noise * v)
         } else {
@@ -253,20 +294,17 @@ fn averaged(sigma: f64) -> f64 {
     4.0 * PI * sigma * sigma
 }
 
-/// The factor from the squared step to the squared bias, by the ratio of the
-/// steps around every pixel.
-fn growth(firsts: &Plane, seconds: &Plane, spread: &Plane, ratio: f64) -> Plane {
+/// The blur that is left, in first steps, by the ratio of the steps around every
+/// pixel.
+fn around(firsts: &Plane, seconds: &Plane, spread: &Plane, ratio: f64) -> Plane {
     let wide = gaussian(AROUND.1, AROUND.0);
     let [firsts, seconds] = [firsts, seconds].map(|p| convolve(p, &wide, &wide));
-    let spread = convolve(spread, &box_kernel(2), &box_kernel(2));
     let prior = TRUST / averaged(AROUND.0).sqrt();
-    let ratios = Plane::join(&seconds, &spread, |s, v| s + prior * v * ratio);
-    let weights = Plane::join(&firsts, &spread, |f, v| f.max(0.0) + prior * v);
+    let ratios = Plane::join(&seconds, spread, |s, v| s + prior * v * ratio);
+    let weights = Plane::join(&firsts, spread, |f, v| f.max(0.0) + prior * v);
     Plane::join(&ratios, &weights, |r, w| {
         let near = if w > 0.0 { r / w } else { ratio };
-        let near = near.clamp(NEARBY[0], NEARBY[1]);
-        let left = left(near);
-        left * left
+        left(near.clamp(NEARBY[0], NEARBY[1]))
     })
 }
 
@@ -301,6 +339,61 @@ mod tests {
         assert!(left(0.9) > left(0.7) && left(0.9) < 0.6 / (1.0 - 0.9));
         let rise = (left(0.61) - left(0.6)) / 0.01 / left(0.605);
         assert!((slope(0.605) / rise - 1.0).abs() < 1e-2);
+    }
+
+    /// Errors grow where the truth is darker than the picture, shrink where it is
+    /// brighter, and the bias in W/m2/sr stays what it was.
+    #[test]
+    fn errors_are_set_beside_the_picture_without_its_blur() {
+        let mut ground = Ground {
+            likely: vec![Rgb::grey(1.0); 3],
+            squares: vec![Rgb::grey(1.25); 3],
+            floor: 0.25,
+            variances: Vec::new(),
+            lit: Vec::new(),
+            caustic: Vec::new(),
+            caustics: Image::new(3, 1, vec![Rgb::BLACK; 3]),
+            width: 3,
+            height: 1,
+        };
+        let plane = |values: [f64; 3]| Plane::new(3, 1, values.to_vec());
+        let before = scale(Rgb::WHITE, Rgb::grey(1.25));
+        let step = [0.25, 0.0, -9.0].map(|bias| bias / before);
+        let mut blur = Blur {
+            own: plane([1.0; 3]),
+            pooled: plane([2.0; 3]),
+            doubt: 0.0,
+            order: 1.0,
+            step: plane(step),
+            left: plane([2.0; 3]),
+            hues: vec![Rgb::WHITE; 3],
+            scales: vec![before; 3],
+        };
+        blur.correct(&mut ground);
+        for (i, likely) in [0.5, 1.0, CORRECTED].into_iter().enumerate() {
+            assert!((ground.likely[i].0[0] - likely).abs() < 1e-15, "{i}");
+            let square = likely * likely + 0.25;
+            assert!((ground.squares[i].0[1] / square - 1.0).abs() < 1e-15, "{i}");
+            assert!((blur.own.values()[i] * square / 1.25 - 1.0).abs() < 1e-14);
+            assert!((blur.pooled.values()[i] * square / 1.25 - 2.0).abs() < 1e-14);
+            assert!((blur.scales[i] / square.sqrt() - 1.0).abs() < 1e-15);
+        }
+    }
+
+    /// What stands out from its noise keeps its place, what does not is that of its
+    /// surroundings; without noise every pixel is its own.
+    #[test]
+    fn squared_steps_are_sharp_where_they_are_certain() {
+        let plane = |v: f64| Plane::new(1, 1, vec![v]);
+        let of =
+            |own: f64, noise: f64| certain(&plane(own), &plane(1.0), &plane(noise)).values()[0];
+        assert_eq!(of(9.0, 0.0), 9.0);
+        assert_eq!(of(0.0, 0.0), 0.0);
+        let faint = 0.5 / averaged(1.0).sqrt();
+        for (own, noise, square) in [(2.0, 0.5, 1.0), (0.5, 9.0, 1.0), (5.0, 1.0, 4.0)] {
+            let expected = square * square / (square + faint * noise);
+            assert!((of(own, noise) - expected).abs() < 1e-15, "{own} {noise}");
+        }
     }
 
     #[test]

@@ -73,9 +73,13 @@ pub struct Statement {
 
 /// The picture to which errors are set in relation.
 struct Ground {
+    /// What each pixel is likely to be, W/m2/sr.
+    likely: Vec<Rgb>,
     /// Squares of the denominators, per pixel and channel; zero only where
     /// the whole picture is black.
     squares: Vec<Rgb>,
+    /// What they have beyond the pixel's own square.
+    floor: f64,
     /// Variances of the picture, as each pixel knows its own, (W/m2/sr)^2.
     variances: Vec<Rgb>,
     lit: Vec<bool>,
@@ -143,9 +147,10 @@ struct Evidence {
 
 impl Evidence {
     fn of(film: &Film) -> Option<Self> {
-        let ground = Ground::of(film)?;
+        let mut ground = Ground::of(film)?;
+        let mut blur = blur::Blur::of(film, &ground);
+        blur.correct(&mut ground);
         let noise = noise::Noise::of(film, &ground);
-        let blur = blur::Blur::of(film, &ground);
         Some(Self {
             total: Plane::join(&noise.pooled, &blur.pooled, |n, b| n + b),
             ground,
@@ -175,12 +180,12 @@ impl Ground {
         let (steady, variances): (Vec<Rgb>, Vec<Rgb>) = pixels.map(known).unzip();
         let smooth = [0, 1, 2].map(|c| {
             let plane = |of: &[Rgb]| Plane::new(width, height, of.iter().map(|p| p[c]).collect());
-            smoothed(&plane(&steady), &plane(&variances))
+            smoothed([&steady, image.pixels(), &variances].map(plane))
         });
-        let squares = (0..width * height)
+        let likely: Vec<Rgb> = (0..width * height)
             .map(|i| Rgb([0, 1, 2].map(|c| smooth[c].values()[i])))
-            .map(|x| x * x + Rgb::grey(floor))
             .collect();
+        let squares = likely.iter().map(|&x| x * x + Rgb::grey(floor)).collect();
         let around = box_kernel(2);
         let bright = convolve(&Plane::of(&image, Rgb::mean), &around, &around);
         let lit: Vec<bool> = bright.values().iter().map(|&b| b > LIT * mean).collect();
@@ -189,7 +194,9 @@ impl Ground {
         let caustic = shares.zip(&lit);
         let caustic = caustic.map(|((c, all), &lit)| lit && c.mean() > CAUSTIC * all.mean());
         Some(Self {
+            likely,
             squares,
+            floor,
             variances,
             caustic: caustic.collect(),
             caustics,
@@ -199,6 +206,14 @@ impl Ground {
         })
     }
 
+    /// Takes a bias off what a pixel is likely to be, up to a factor.
+    fn take_off(&mut self, pixel: usize, bias: Rgb, most: f64) {
+        let x = self.likely[pixel];
+        let x = Rgb([0, 1, 2].map(|c| (x[c] - bias[c]).max(x[c] / most).min(x[c] * most)));
+        self.likely[pixel] = x;
+        self.squares[pixel] = x * x + Rgb::grey(self.floor);
+    }
+
     /// A plane of what `f` makes of each pixel's number.
     fn plane(&self, f: impl Fn(usize) -> f64 + Sync + Send) -> Plane {
         let values = (0..self.squares.len()).into_par_iter().map(f).collect();
@@ -206,23 +221,29 @@ impl Ground {
     }
 }
 
-/// A picture drawn to the mean of the 3 x 3 pixels around, as far as what keeps a
-/// pixel apart from them may be its noise (W. James and C. Stein, *Estimation with
-/// Quadratic Loss*, Berkeley Symp. 1961): a dark pixel beside a bright one stays
-/// dark, whose errors would otherwise look small.
-fn smoothed(steady: &Plane, variances: &Plane) -> Plane {
+/// What pixels are likely to be: what most replicates say (`steady`), drawn to the
+/// mean of the 3 x 3 pixels around, as far as what keeps a pixel apart from them may
+/// be its noise (W. James and C. Stein, *Estimation with Quadratic Loss*, Berkeley
+/// Symp. 1961). A dark pixel beside a bright one stays dark, whose errors would
+/// otherwise look small. The mean around is that of the whole picture: where all
+/// light comes by sparks, the pixels without one would look too dark by themselves.
+fn smoothed([steady, picture, variances]: [Plane; 3]) -> Plane {
     let near = box_kernel(1);
-    let [smooth, around] = [steady, variances].map(|p| convolve(p, &near, &near));
-    let noise = Plane::join(&around, variances, f64::max);
-    let apart = Plane::join(steady, &smooth, |own, near| own - near);
-    let kept = Plane::join(&apart, &noise, |apart, noise| {
-        if apart * apart > noise {
-            apart * (1.0 - noise / (apart * apart))
-        } else {
-            0.0
-        }
-    });
+    let [smooth, around] = [&picture, &variances].map(|p| convolve(p, &near, &near));
+    let noise = Plane::join(&around, &variances, f64::max);
+    let apart = Plane::join(&steady, &smooth, |own, near| own - near);
+    let kept = Plane::join(&apart, &noise, standing_out);
     Plane::join(&smooth, &kept, |near, kept| near + kept)
+}
+
+/// What stands out of a difference from noise of that variance, which alone
+/// would make it so large (James and Stein).
+fn standing_out(apart: f64, variance: f64) -> f64 {
+    if apart * apart > variance {
+        apart * (1.0 - variance / (apart * apart))
+    } else {
+        0.0
+    }
 }
 
 /// The mean over so many pixels to either side.
@@ -250,12 +271,18 @@ mod tests {
             (0..24).map(|i| f64::from(u8::from(i % 8 > 3))).collect(),
         );
         let even = |v: f64| Plane::new(8, 3, vec![v; 24]);
-        let at = |noise: f64, x: usize| smoothed(&step, &even(noise)).row(1)[x];
+        let of = |step: &Plane, noise| smoothed([step.clone(), step.clone(), even(noise)]);
+        let at = |noise: f64, x: usize| of(&step, noise).row(1)[x];
         for noise in [0.0, 1e-4, 1.0] {
             assert!(at(noise, 1).abs() < 1e-15 && (at(noise, 6) - 1.0).abs() < 1e-15);
         }
         assert!(at(0.0, 3).abs() < 1e-15);
         assert!((at(1.0, 3) - 1.0 / 3.0).abs() < 1e-15);
+        // What one spark in nine pixels brings is what each is likely to get.
+        let mut sparks = even(1.0);
+        sparks.values_mut()[12] = 10.0;
+        let likely = smoothed([even(1.0), sparks, even(100.0)]);
+        assert!(likely.row(1)[3..6].iter().all(|x| (x - 2.0).abs() < 1e-15));
         // A third apart: a ninth over the variance.
         assert!((at(0.02, 3) - (1.0 - (1.0 - 0.02 * 9.0)) / 3.0).abs() < 1e-12);
     }

@@ -4,6 +4,8 @@ use std::f64::consts::FRAC_1_SQRT_2;
 
 /// Steps of an octave into which variances are sorted.
 const STEPS: f64 = 16.0;
+/// No finite variance is more octaves above or below one.
+const OCTAVES: f64 = 1100.0;
 /// Halvings between which a quantile is sought: to a part in 2^40.
 const HALVINGS: u32 = 60;
 
@@ -17,19 +19,30 @@ pub(super) struct Spread {
 impl Spread {
     /// Pixels of these variances.
     pub(super) fn of(variances: impl Iterator<Item = f64>) -> Self {
-        let mut exponents: Vec<i32> = variances
-            // `as` saturates: what is zero comes to the very first class.
-            .map(|v| (STEPS * libm::log2(v)).round() as i32)
-            .collect();
-        exponents.sort_unstable();
-        let pixels = exponents.len() as f64;
-        let classes = exponents.chunk_by(|a, b| a == b).map(|class| {
-            let root = libm::exp2(0.5 * f64::from(class[0]) / STEPS);
-            (root, class.len() as f64)
+        let (mut none, mut exponents) = (0, Vec::new());
+        for variance in variances {
+            if variance > 0.0 {
+                let octaves = libm::log2(variance).min(OCTAVES);
+                exponents.push((STEPS * octaves).round() as i32);
+            } else {
+                none += 1;
+            }
+        }
+        // There are few: to count them is faster than to sort.
+        let least = exponents.iter().copied().min().unwrap_or(0);
+        let most = exponents.iter().copied().max().unwrap_or(0);
+        let mut counts = vec![0u32; (most - least) as usize + 1];
+        for exponent in &exponents {
+            counts[(exponent - least) as usize] += 1;
+        }
+        let counted = counts.iter().zip(least..).filter(|(count, _)| **count > 0);
+        let classes = counted.map(|(&count, exponent)| {
+            let root = libm::exp2(0.5 * f64::from(exponent) / STEPS);
+            (root, f64::from(count))
         });
         Self {
-            classes: classes.collect(),
-            pixels,
+            pixels: (none + exponents.len()) as f64,
+            classes: std::iter::once((0.0, none as f64)).chain(classes).collect(),
         }
     }
 
