@@ -100,13 +100,15 @@ fn along(axis: &str, sizes: &[u64]) {
         "\n{axis:>12}  threads  load s  prepare s   pass s   CPU s  peak MiB"
     ));
     for threads in [1, 2] {
-        let costs: Vec<Cost> = sizes.iter().map(|&n| measure(axis, n, threads)).collect();
-        for (n, c) in sizes.iter().zip(&costs) {
+        let cost = |&n: &u64| {
+            let c = measure(axis, n, threads);
             report(&format!(
                 "{n:12}  {threads:7}  {:6.2}  {:9.3}  {:7.3}  {:6.3}  {:8.0}",
                 c.load, c.prepare, c.pass, c.cpu, c.mebibytes
             ));
-        }
+            c
+        };
+        let costs: Vec<Cost> = sizes.iter().map(cost).collect();
         let exponent = |cost: fn(&Cost) -> f64| {
             let xs: Vec<f64> = sizes.iter().map(|&n| n as f64).collect();
             let ys: Vec<f64> = costs.iter().map(cost).collect();

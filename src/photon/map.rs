@@ -144,8 +144,10 @@ impl PhotonMap {
         order::sort_along_curve(&mut kept, center);
         let (bounced, caustics): (Vec<&Photon>, Vec<&Photon>) =
             kept.iter().partition(|p| p.bounced);
-        let caustics = Class::sort(&caustics, rotation, shrink);
-        let bounced = of_bounced(&bounced, rotation, shrink);
+        let (caustics, bounced) = rayon::join(
+            || Class::sort(&caustics, rotation, shrink),
+            || of_bounced(&bounced, rotation, shrink),
+        );
         Self {
             caustics,
             bounced,

@@ -86,9 +86,11 @@ pub(crate) fn shoot_for(
     first: u64,
     count: u64,
 ) -> Shot {
-    let chunks: Vec<(Vec<Photon>, Tally)> = (0..count.div_ceil(CHUNK))
+    let chunks: Vec<(Vec<Photon>, Tally)> = (0..count.div_ceil(CHUNK) as usize)
         .into_par_iter()
+        .with_max_len(1)
         .map(|c| {
+            let c = c as u64;
             let range = first + c * CHUNK..first + ((c + 1) * CHUNK).min(count);
             shoot_chunk(kernel, ctx, emitter, sequence, range, count as f64)
         })

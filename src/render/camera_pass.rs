@@ -64,10 +64,14 @@ impl Window {
         pixel: impl Fn(u32, u32, &mut B, &mut CameraTally) -> T + Sync,
     ) -> (Vec<T>, CameraTally) {
         let row = self.width as usize;
-        let mut all = vec![T::default(); row * self.height as usize];
+        // The first to touch new memory waits for it: all threads do.
+        let pixels = row * self.height as usize;
+        let mut all: Vec<T> = rayon::iter::repeat_n(T::default(), pixels).collect();
         let tally = all
             .par_chunks_mut((row * TILE as usize).max(1))
             .enumerate()
+            // Bands differ in work: none waits behind another.
+            .with_max_len(1)
             .map(|(band, pixels)| {
                 let (mut tally, mut shared) = (CameraTally::default(), of_band());
                 let top = band as u32 * TILE;
@@ -256,7 +260,7 @@ impl Renderer<'_> {
             },
         );
         let (refinement, glinting) = (self.refinement_of(round), self.glinting(round));
-        let radiance: Vec<f64> = first.iter().map(|s| s.total().mean()).collect();
+        let radiance: Vec<f64> = first.par_iter().map(|s| s.total().mean()).collect();
         let (samples, further) = self.window().map(
             || gather.vicinity(),
             |px, py, near, tally| {

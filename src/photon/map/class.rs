@@ -10,6 +10,7 @@ use std::f32::consts::SQRT_2;
 
 use glam::{DMat3, DVec3, Vec3};
 use kiddo::{Eytzinger, FlatVec, KdTree, SquaredEuclidean};
+use rayon::prelude::*;
 
 use super::{Photon, normal::encode, order};
 
@@ -127,7 +128,7 @@ impl Class {
             }
         }
         let fewest = FEWEST.max(photons.len() / SMALLEST_PART);
-        let mut classes = Vec::new();
+        let mut classes: Vec<Vec<&Photon>> = Vec::new();
         let mut few: Vec<&Photon> = Vec::new();
         let last = by_size.len().saturating_sub(1);
         for (i, (key, mut members)) in by_size.into_iter().enumerate() {
@@ -138,9 +139,17 @@ impl Class {
                     continue;
                 }
             }
-            classes.extend(Self::new(&members, rotation, shrink, MOST_SPANS));
+            classes.push(members);
         }
+        Self::all(&classes, rotation, shrink, MOST_SPANS)
+    }
+
+    /// Classes of these photons, side by side.
+    fn all(classes: &[Vec<&Photon>], rotation: DMat3, shrink: f64, most_spans: u32) -> Vec<Self> {
+        let classes = classes.par_iter().filter(|members| !members.is_empty());
         classes
+            .filter_map(|members| Self::new(members, rotation, shrink, most_spans))
+            .collect()
     }
 
     /// All photons in one class, for kernels that queries will cut to a size
@@ -148,11 +157,7 @@ impl Class {
     pub(super) fn of_cut(photons: &[&Photon], rotation: DMat3, shrink: f64) -> Vec<Self> {
         let (sized, blind): (Vec<&Photon>, Vec<&Photon>) =
             photons.iter().partition(|p| p.footprint.is_some());
-        [blind, sized]
-            .iter()
-            .filter(|members| !members.is_empty())
-            .filter_map(|members| Self::new(members, rotation, shrink, 1))
-            .collect()
+        Self::all(&[blind, sized], rotation, shrink, 1)
     }
 
     fn new(photons: &[&Photon], rotation: DMat3, shrink: f64, most_spans: u32) -> Option<Self> {
