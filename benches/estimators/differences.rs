@@ -5,7 +5,7 @@ use std::path::Path;
 
 use nephroid::{
     film::Film,
-    metrics::{Statement, relative_errors},
+    metrics::{Statement, relmse_trimmed},
     plan::film_quantum,
     render::{Job, REPLICATES, Renderer},
     scene::{Scene, load},
@@ -93,9 +93,5 @@ fn by_difference(a: &Film, b: &Film) -> f64 {
     let mut mean = a.clone();
     mean.merge(b).expect("of one scene");
     // Half the difference from the mean: half the variance of one.
-    let errors = relative_errors(&a.image(), &mean.image()).expect("of one size");
-    let mut squares = errors.values().to_vec();
-    squares.sort_by(f64::total_cmp);
-    let kept = (squares.len() as f64 * (1.0 - WORST)) as usize;
-    2.0 * squares[..kept].iter().sum::<f64>() / kept as f64
+    2.0 * relmse_trimmed(&a.image(), &mean.image(), WORST).expect("of one size")
 }

@@ -94,4 +94,14 @@ mod tests {
         );
         assert_eq!(mixed.quantile(0.8), 40.0 * 0.5f64.powi(60));
     }
+
+    /// Errors that no float holds, or none at all, ask for no more memory than others.
+    #[test]
+    fn any_variance_is_counted() {
+        let variances = [f64::INFINITY, f64::MAX, 5e-324, 0.0, f64::NAN];
+        let spread = Spread::of(variances.into_iter());
+        assert_eq!(spread.pixels, 5.0);
+        assert_eq!(spread.classes.len(), 4);
+        assert_eq!(Spread::of(std::iter::empty()).pixels, 0.0);
+    }
 }
