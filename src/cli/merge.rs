@@ -43,7 +43,7 @@ pub(super) fn run(typed: &MergeArgs) -> Result<Exit, Failure> {
     }
     let whole = whole.ok_or_else(|| Failure::bad_input("there is no part to merge"))?;
     refuse_gaps(&whole)?;
-    let told = Told::of(&whole, None);
+    let told = Told::of(&whole, None, None);
     let mut faults = outputs::save(&whole, &told, &pictures, json.as_ref());
     for path in &parts {
         faults.extend(whole.save(path).err().map(|e| e.to_string()));

@@ -4,7 +4,7 @@ use std::time::{Duration, Instant};
 
 use nephroid::{
     metrics::Statement,
-    render::{Forecast, Part, Price, Progress, REPLICATES, ends_asked_round},
+    render::{Forecast, Part, Price, Progress, REPLICATES, RoundReport, ends_asked_round},
 };
 
 use super::progress::{Goal, clock};
@@ -23,49 +23,63 @@ const PER_PIXEL: f64 = 1e-6;
 
 /// Looks at a growing picture now and then.
 pub(super) struct Outlook {
+    is_heard: bool,
     forecast: Forecast,
     /// Seconds that the last look took.
     price: Option<f64>,
+    /// What was seen after full rounds, the last time.
+    last_round: Option<RoundReport>,
 }
 
 impl Outlook {
-    /// Nothing is seen yet.
-    pub(super) fn new() -> Self {
+    /// Nothing is seen yet; whether anybody is told what is.
+    pub(super) fn new(is_heard: bool) -> Self {
         Self {
+            is_heard,
             forecast: Forecast::new(),
             price: None,
+            last_round: None,
         }
     }
 
     /// Looks at what a pass has added, if it is time for that and does not
-    /// cost much. What a render for an error states anyhow costs nothing.
-    pub(super) fn look(&mut self, progress: &Progress, part: &Part) {
+    /// cost much. What a render for an error states anyhow costs nothing; where the
+    /// render will end inside the next round, the look is worth its price.
+    pub(super) fn look(&mut self, progress: &Progress, part: &Part, goal: Goal) {
         let passes = progress.passes_done;
         let seconds = progress.elapsed.as_secs_f64();
         self.forecast.clock(passes, seconds);
-        let is_asked = ends_asked_round(passes);
-        if !part.subject().is_by_photons() || !(is_asked || passes == EARLY) {
-            return;
-        }
-        if let (Some(figures), true) = (&progress.stated, is_asked) {
-            self.forecast.observe(passes, figures);
+        if !part.subject().is_by_photons() {
             return;
         }
         let film = part.film();
         let pixels = f64::from(film.width()) * f64::from(film.height());
-        if self.price.unwrap_or(PER_PIXEL * pixels) > SHARE * seconds {
+        let is_cheap = self.price.unwrap_or(PER_PIXEL * pixels) <= SHARE * seconds;
+        let is_time = ends_asked_round(passes) || passes == EARLY;
+        let stated = progress.stated.filter(|stated| stated.passes == passes);
+        let is_wanted = self.is_heard && is_time && is_cheap;
+        if !(stated.is_some() || is_wanted || ends_inside_next(progress, goal)) {
             return;
         }
         let start = Instant::now();
-        let figures = if is_asked {
-            Statement::of(film, None).map(|s| s.whole)
+        let figures = if passes.is_multiple_of(REPLICATES) {
+            let look = || Statement::of(film, None).map(|s| RoundReport::of(passes, &s));
+            self.last_round = stated.or_else(look);
+            self.last_round.map(|stated| stated.lit)
         } else {
             Statement::early(film)
         };
-        self.price = Some(start.elapsed().as_secs_f64());
+        if stated.is_none() {
+            self.price = Some(start.elapsed().as_secs_f64());
+        }
         if let Some(figures) = figures {
             self.forecast.observe(passes, &figures);
         }
+    }
+
+    /// What was seen last after full rounds.
+    pub(super) fn last_round(&self) -> Option<RoundReport> {
+        self.last_round
     }
 
     /// When errors will be reached, if one is asked for, and which error a
@@ -104,6 +118,16 @@ impl Outlook {
             }
         }
     }
+}
+
+/// Whether a full round ends here, and the render will end before the next does, as
+/// far as that is known. Of time, one pass may be mistaken.
+fn ends_inside_next(progress: &Progress, goal: Goal) -> bool {
+    let done = progress.passes_done;
+    let by_passes = goal.passes.unwrap_or(u32::MAX);
+    let left = progress.passes_total.min(by_passes).saturating_sub(done);
+    let mistaken = u32::from(goal.time.is_some());
+    done.is_multiple_of(REPLICATES) && left > 0 && left < REPLICATES + mistaken
 }
 
 /// The error that is asked for, and a larger one that comes well before it.
@@ -150,6 +174,16 @@ pub(super) fn stated(error: f64) -> nephroid::metrics::Figures {
     }
 }
 
+/// The same after so many passes of full rounds.
+#[cfg(test)]
+pub(super) fn stated_after(passes: u32, error: f64) -> RoundReport {
+    RoundReport {
+        passes,
+        lit: stated(error),
+        caustics: None,
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -173,7 +207,7 @@ mod tests {
     /// times as many, 4 % sixteen times.
     #[test]
     fn words_tell_of_targets_and_of_the_end() {
-        let mut outlook = Outlook::new();
+        let mut outlook = Outlook::new(true);
         for pass in 1..=8 {
             outlook.forecast.clock(pass, f64::from(pass));
         }
@@ -182,7 +216,7 @@ mod tests {
             passes_total: 100,
             photons_emitted: 0,
             elapsed: Duration::from_secs(8),
-            stated: Some(stated(0.16)),
+            stated: Some(stated_after(8, 0.16)),
         };
         let goal = |passes, seconds: Option<u64>, error| Goal {
             passes,
@@ -214,5 +248,34 @@ mod tests {
         );
         let ends = outlook.words(&progress, goal(Some(32), Some(16), None));
         assert!(ends[0].starts_with("about 11 % at the end ("), "{ends:?}");
+    }
+
+    #[test]
+    fn the_last_full_round_is_known_beforehand() {
+        let goal = |passes, seconds: Option<u64>| Goal {
+            passes,
+            time: seconds.map(Duration::from_secs),
+            error: None,
+        };
+        let ends = |done, total, goal| {
+            let progress = Progress {
+                passes_done: done,
+                passes_total: total,
+                photons_emitted: 0,
+                elapsed: Duration::from_secs(8),
+                stated: None,
+            };
+            ends_inside_next(&progress, goal)
+        };
+        let by_passes = goal(Some(21), None);
+        assert!(ends(16, 21, by_passes) && !ends(8, 21, by_passes) && !ends(17, 21, by_passes));
+        assert!(!ends(16, 24, goal(Some(24), None)), "the next ends, too");
+        assert!(
+            !ends(16, 16, goal(Some(16), None)),
+            "nothing comes after it"
+        );
+        // What passes take next is not certain; what is typed is.
+        assert!(ends(16, 24, goal(None, Some(9))) && !ends(16, 25, goal(None, Some(9))));
+        assert!(ends(16, u32::MAX, by_passes));
     }
 }

@@ -6,7 +6,7 @@ use nephroid::{
     film::{self, Attribute, Image, OutputError, Provenance, Window, atomic},
     metrics::Statement,
     reference,
-    render::{self, ErrorReport, Part},
+    render::{self, ErrorReport, Part, REPLICATES, RoundReport},
 };
 
 use super::{
@@ -66,8 +66,9 @@ pub(super) struct Told {
 }
 
 impl Told {
-    /// `target` is the relative error that was asked for.
-    pub(super) fn of(part: &Part, target: Option<f64>) -> Self {
+    /// `target` is the relative error that was asked for, `last_round` what was
+    /// seen after full rounds: told if the part ends inside a round.
+    pub(super) fn of(part: &Part, target: Option<f64>, last_round: Option<RoundReport>) -> Self {
         fn both(report: &(impl std::fmt::Display + serde::Serialize)) -> Told {
             Told {
                 words: report.to_string(),
@@ -78,7 +79,12 @@ impl Told {
         }
         if part.subject().is_by_photons() {
             let statement = Statement::of(part.film(), target);
-            let report = render::Report::stating(part, statement.as_ref(), target);
+            let mut report = render::Report::stating(part, statement.as_ref(), target);
+            if let (Some(error), false) =
+                (&mut report.error, part.passes().is_multiple_of(REPLICATES))
+            {
+                error.last_round = last_round;
+            }
             Told {
                 error: report.error,
                 statement,

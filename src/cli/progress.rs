@@ -140,7 +140,7 @@ fn fraction(progress: &Progress, goal: Goal) -> f64 {
     });
     // Errors of many samples fall like the root of their number.
     let by_error = progress.stated.zip(goal.error);
-    let by_error = by_error.map_or(0.0, |(stated, target)| (target / stated.bound).powi(2));
+    let by_error = by_error.map_or(0.0, |(stated, target)| (target / stated.lit.bound).powi(2));
     by_passes.max(by_time).max(by_error).clamp(0.0, 1.0)
 }
 
@@ -170,7 +170,7 @@ fn line(progress: &Progress, goal: Goal, expected: &[String]) -> String {
         parts.push(format!("{}photons/s", si(pace)));
     }
     if let Some((stated, target)) = progress.stated.zip(goal.error) {
-        let [error, target] = [stated.bound, target].map(|e| 100.0 * e);
+        let [error, target] = [stated.lit.bound, target].map(|e| 100.0 * e);
         parts.push(format!("error {error:.2} % of {target} %"));
     }
     parts.extend_from_slice(expected);
@@ -248,7 +248,7 @@ mod tests {
     #[test]
     fn lines_say_the_error_where_one_is_asked_for() {
         let progress = Progress {
-            stated: Some(super::super::outlook::stated(0.0814)),
+            stated: Some(super::super::outlook::stated_after(16, 0.0814)),
             ..at(16, 0, 20)
         };
         let asked = Goal {

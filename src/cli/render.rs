@@ -7,7 +7,7 @@ use std::{num::NonZero, ops::ControlFlow, time::Instant};
 
 use nephroid::{
     reference::{self, Options, Reference},
-    render::{self, Job, Part, Progress, Renderer, Subject},
+    render::{self, Job, Part, Progress, Renderer, RoundReport, Subject},
     scene::Scene,
 };
 
@@ -57,10 +57,14 @@ pub(super) fn run(typed: &RenderArgs) -> Result<Exit, Failure> {
     }
     let interrupt = Interrupt::listen("the pass under way is finished and saved");
     let mut keeper = Keeper::of(typed);
-    let (part, was_stopped) = render(typed, &scene, &job, &interrupt, &mut keeper)?;
+    let Ended {
+        part,
+        was_stopped,
+        last_round,
+    } = render(typed, &scene, &job, &interrupt, &mut keeper)?;
     let was_interrupted = was_stopped && interrupt.is_requested();
     interrupt.start_saving();
-    let told = Told::of(&part, job.error);
+    let told = Told::of(&part, job.error, last_round);
     let kept = keeper.map_or(Ok(()), |keeper| keeper.finish(&part));
     let mut faults = outputs::save(&part, &told, &outputs, json.as_ref());
     faults.extend(kept.err());
@@ -175,15 +179,23 @@ fn check_crop(crop: Crop, resolution: [u32; 2]) -> Result<(), Failure> {
     )))
 }
 
-/// Runs the passes that are not done yet; also whether they were stopped before
-/// their end.
+/// What a render leaves.
+struct Ended {
+    part: Part,
+    /// Whether it was stopped before its end.
+    was_stopped: bool,
+    /// What was seen of its error after full rounds.
+    last_round: Option<RoundReport>,
+}
+
+/// Runs the passes that are not done yet.
 fn render(
     typed: &RenderArgs,
     scene: &Scene,
     job: &Job,
     interrupt: &Interrupt,
     keeper: &mut Option<Keeper<'_>>,
-) -> Result<(Part, bool), Failure> {
+) -> Result<Ended, Failure> {
     // With a time or an error given the scene's number of passes is no limit,
     // but one that was typed is; what is reached first ends the render.
     let is_open = job.time.is_some() || job.error.is_some();
@@ -197,10 +209,11 @@ fn render(
     };
     let is_enough = |passes: u32| goal.passes.is_some_and(|n| passes >= n);
     let mut reporter = Reporter::new(typed.quiet);
-    let mut outlook = Outlook::new();
+    let mut outlook = Outlook::new(reporter.is_heard());
+    let is_told = reporter.is_heard() || typed.json.is_some();
     let mut after_pass = |progress: &Progress, part: &Part| {
-        if reporter.is_heard() {
-            outlook.look(progress, part);
+        if is_told {
+            outlook.look(progress, part, goal);
         }
         reporter.show(progress, goal, &outlook.words(progress, goal));
         if let Some(keeper) = keeper {
@@ -234,7 +247,11 @@ fn render(
         }
     };
     reporter.finish();
-    Ok((part, was_stopped))
+    Ok(Ended {
+        part,
+        was_stopped,
+        last_round: outlook.last_round(),
+    })
 }
 
 #[cfg(test)]

@@ -289,34 +289,25 @@ impl Film {
     /// # Panics
     /// Outside the film.
     pub fn spread_at(&self, pixel: usize) -> ([Rgb; REPLICATES], Rgb) {
-        let replicates = self.replicates_at(pixel);
-        let passes = self.passes();
-        let weighted = replicates.iter().zip(self.passes);
-        let sum = weighted.fold(Rgb::BLACK, |sum, (&r, n)| sum + r * n as f64);
-        let mean = sum / passes.max(1) as f64;
-        let (mut squares, mut used) = (Rgb::BLACK, 0.0);
-        for (&replicate, n) in replicates.iter().zip(self.passes) {
-            if n > 0 {
-                let difference = replicate - mean;
-                squares += difference * difference * n as f64;
-                used += 1.0;
-            }
+        let weights = self.passes.map(|n| n as f64);
+        let replicates: [Rgb; REPLICATES] =
+            std::array::from_fn(|r| self.mean_of(&self.replicates[r][pixel], weights[r]));
+        let passes = self.passes().max(1) as f64;
+        let weighted = replicates.iter().zip(weights);
+        let mean = weighted.fold(Rgb::BLACK, |sum, (&r, n)| sum + r * n) / passes;
+        let mut squares = Rgb::BLACK;
+        for (&replicate, n) in replicates.iter().zip(weights) {
+            // Those without passes have no weight.
+            let difference = replicate - mean;
+            squares += difference * difference * n;
         }
-        let variance = if used > 1.0 {
-            squares / ((used - 1.0) * passes as f64)
+        let used = weights.iter().filter(|&&n| n > 0.0).count();
+        let variance = if used > 1 {
+            squares / ((used - 1) as f64 * passes)
         } else {
             Rgb::BLACK
         };
         (replicates, variance)
-    }
-
-    /// What each replicate alone sees at one pixel, given by its number row by
-    /// row; black before its first pass.
-    ///
-    /// # Panics
-    /// Outside the film.
-    pub fn replicates_at(&self, pixel: usize) -> [Rgb; REPLICATES] {
-        std::array::from_fn(|r| self.mean(&self.replicates[r][pixel], self.passes[r]))
     }
 
     /// The means of [`PixelSample::blur`] over the passes of each group of
@@ -334,7 +325,12 @@ impl Film {
     }
 
     fn mean(&self, sum: &RgbSum, passes: u64) -> Rgb {
-        Rgb(sum.map(|s| s.value(self.quantum))) / passes.max(1) as f64
+        self.mean_of(sum, passes as f64)
+    }
+
+    #[inline]
+    fn mean_of(&self, sum: &RgbSum, passes: f64) -> Rgb {
+        Rgb(sum.map(|s| s.value(self.quantum))) / passes.max(1.0)
     }
 
     fn collect(&self, pixel: impl Fn(usize) -> Rgb + Send + Sync) -> Image {

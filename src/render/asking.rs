@@ -2,8 +2,8 @@
 
 use std::f64::consts::SQRT_2;
 
-use super::{Job, Part, REPLICATES};
-use crate::metrics::{Figures, Statement};
+use super::{Job, Part, REPLICATES, RoundReport};
+use crate::metrics::Statement;
 
 /// Asks the film of a growing part for its error, after the rounds 1, 2, 3, 4,
 /// 6, 8, 11, 16, ..., each about 2^(1/2) times as many as before: whoever asks
@@ -11,7 +11,7 @@ use crate::metrics::{Figures, Statement};
 /// where a render was interrupted.
 pub(super) struct Asking {
     target: Option<f64>,
-    stated: Option<Figures>,
+    stated: Option<RoundReport>,
 }
 
 impl Asking {
@@ -29,16 +29,17 @@ impl Asking {
         let Some(target) = self.target else {
             return false;
         };
-        if !ends_asked_round(part.passes()) {
+        let passes = part.passes();
+        if !ends_asked_round(passes) {
             return false;
         }
         let statement = Statement::of(part.film(), None);
-        self.stated = statement.map(|s| s.whole);
-        self.stated.is_some_and(|stated| stated.bound <= target)
+        self.stated = statement.map(|s| RoundReport::of(passes, &s));
+        self.stated.is_some_and(|stated| stated.lit.bound <= target)
     }
 
     /// The error that was stated last.
-    pub(super) fn stated(&self) -> Option<Figures> {
+    pub(super) fn stated(&self) -> Option<RoundReport> {
         self.stated
     }
 }

@@ -7,13 +7,13 @@ use std::{
 
 use crate::{
     film::Film,
-    metrics::{Figures, Statement, relative_noise},
+    metrics::{Statement, relative_noise},
     photon::LightTally,
     scene::{Scene, Settings},
 };
 
 use super::{
-    ErrorReport, LightReport, Part, REPLICATES, Renderer, Report, Schedule, Subject,
+    ErrorReport, LightReport, Part, REPLICATES, Renderer, Report, RoundReport, Schedule, Subject,
     asking::Asking,
     memory::{TooLarge, photon_budget},
 };
@@ -130,7 +130,7 @@ pub struct Progress {
     /// Wall time since the start.
     pub elapsed: Duration,
     /// The error that was last stated, if one is asked for.
-    pub stated: Option<Figures>,
+    pub stated: Option<RoundReport>,
 }
 
 /// A finished or interrupted render.
@@ -275,9 +275,12 @@ impl Report {
                 0.0
             },
             samples_refused: film.refused(),
-            noise: film
-                .noise()
-                .map(|noise| relative_noise(&film.image(), &noise)),
+            noise: match statement {
+                Some(statement) => Some(statement.relative_noise),
+                None => film
+                    .noise()
+                    .map(|noise| relative_noise(&film.image(), &noise)),
+            },
             error: statement.map(|s| ErrorReport::of(s, target)),
             seconds: part.seconds,
             lights,

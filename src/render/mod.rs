@@ -40,6 +40,6 @@ pub use memory::TooLarge;
 pub(crate) use memory::{film_bytes, mebibytes};
 pub use part::{MergeFault, Part};
 pub use pass::{PassOutput, Renderer};
-pub use report::{ErrorReport, LightReport, Report};
+pub use report::{ErrorReport, LightReport, Report, RoundReport};
 pub use schedule::{REPLICATES, Schedule};
 pub use subject::{LightFacts, Subject};

@@ -34,12 +34,38 @@ pub struct ErrorReport {
     pub lit: Figures,
     /// Of those that owe more than a tenth of their light to caustics.
     pub caustics: Option<Figures>,
+    /// What it said after the last full round, if it ends inside the next and was
+    /// looked at then.
+    pub last_round: Option<RoundReport>,
 }
 
 impl ErrorReport {
     pub(super) fn of(statement: &Statement, target: Option<f64>) -> Self {
         Self {
             target,
+            lit: statement.whole,
+            caustics: statement.caustics,
+            last_round: None,
+        }
+    }
+}
+
+/// What a growing picture said about its error after a number of full rounds.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct RoundReport {
+    /// The passes of these rounds.
+    pub passes: u32,
+    /// As [`ErrorReport`] has it.
+    pub lit: Figures,
+    /// As [`ErrorReport`] has it.
+    pub caustics: Option<Figures>,
+}
+
+impl RoundReport {
+    /// What a picture of so many passes states.
+    pub fn of(passes: u32, statement: &Statement) -> Self {
+        Self {
+            passes,
             lit: statement.whole,
             caustics: statement.caustics,
         }
@@ -63,6 +89,13 @@ impl fmt::Display for ErrorReport {
         if let Some(caustics) = &self.caustics {
             let [error, bound] = [caustics.error, caustics.bound].map(|e| 100.0 * e);
             write!(f, "; in the caustics {error:.2} %, at most {bound:.2} %")?;
+        }
+        if let Some(RoundReport { passes, lit, .. }) = &self.last_round {
+            let [error, bound] = [lit.error, lit.bound].map(|e| 100.0 * e);
+            write!(
+                f,
+                "; after {passes} passes of full rounds {error:.2} %, at most {bound:.2} %"
+            )?;
         }
         Ok(())
     }

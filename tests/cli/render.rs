@@ -370,3 +370,34 @@ fn an_error_that_is_asked_for_is_reached_or_missed() {
     );
     assert_eq!(code(&output), 2);
 }
+
+/// Twenty-one passes end inside the third round: the second is told of, too, as a
+/// render of sixteen passes tells of itself, and files say nothing of it.
+#[test]
+fn inside_a_round_the_last_full_one_is_told_of() {
+    let directory = workplace();
+    let report = |passes: &str| -> serde_json::Value {
+        let arguments = [
+            "-o", "a.exr", "--json", "a.json", "--passes", passes, "--quiet",
+        ];
+        let output = render(directory.path(), &arguments);
+        assert_eq!(code(&output), 0, "{}", text(&output.stderr));
+        fs::remove_file(directory.path().join("a.exr")).unwrap();
+        let report = fs::read_to_string(directory.path().join("a.json")).unwrap();
+        fs::remove_file(directory.path().join("a.json")).unwrap();
+        serde_json::from_str(&report).unwrap()
+    };
+    let (whole, inside) = (report("16"), report("21"));
+    let last = &inside["error"]["last_round"];
+    assert_eq!(last["passes"], 16);
+    for region in ["lit", "caustics"] {
+        assert_eq!(last[region], whole["error"][region], "{region}");
+        assert_ne!(last[region], inside["error"][region], "{region}");
+    }
+    assert!(whole["error"]["last_round"].is_null());
+
+    let arguments = ["-o", "a.exr", "--passes", "13"];
+    let output = render(directory.path(), &arguments);
+    let line = text(&output.stderr).lines().last().unwrap();
+    assert!(line.contains("; after 8 passes of full rounds "), "{line}");
+}

@@ -26,7 +26,7 @@ use crate::{
     spectrum::Rgb,
 };
 
-use super::{Ground, box_kernel, convolve, relative, standing_out};
+use super::{Ground, box_kernel, coarse, convolve, relative, standing_out};
 use crate::metrics::{convolve::gaussian, plane::Plane};
 
 /// Ratio of the steps before it is known, and how far a picture's ratio strays
@@ -102,16 +102,16 @@ impl Blur {
             .collect();
         let [firsts, seconds, spread, step] = {
             let groups = film.blur();
-            let plane = |f: fn(&Steps) -> f64| {
-                ground.plane(|i| {
-                    if !ground.lit[i] {
-                        return 0.0;
-                    }
-                    let relative = |group: &Vec<[f64; 2]>| group[i].map(|step| step / scales[i]);
-                    f(&Steps::of(groups.iter().map(relative)))
-                })
+            let told = |i: usize| {
+                if !ground.lit[i] {
+                    return [0.0; 4];
+                }
+                let relative = |group: &Vec<[f64; 2]>| group[i].map(|step| step / scales[i]);
+                let steps = Steps::of(groups.iter().map(relative));
+                [Steps::square, Steps::product, Steps::noise, Steps::first].map(|f| f(&steps))
             };
-            [Steps::square, Steps::product, Steps::noise, Steps::first].map(plane)
+            let told: Vec<[f64; 4]> = (0..scales.len()).into_par_iter().map(told).collect();
+            [0, 1, 2, 3].map(|k| ground.plane(|i| told[i][k]))
         };
         let (ratio, unsure) = ratio_of(&firsts, &seconds);
         let spread = convolve(&spread, &box_kernel(2), &box_kernel(2));
@@ -156,7 +156,7 @@ impl Blur {
             let size = self.pooled.values()[i]
                 .sqrt()
                 .copysign(self.step.values()[i]);
-            hue * (size * self.scales[i])
+            (hue * (size * self.scales[i])).map(coarse)
         });
         Image::new(ground.width as u32, ground.height as u32, pixels.collect())
     }
@@ -350,6 +350,8 @@ mod tests {
             squares: vec![Rgb::grey(1.25); 3],
             floor: 0.25,
             variances: Vec::new(),
+            deviations: Vec::new(),
+            relative_noise: 0.0,
             lit: Vec::new(),
             caustic: Vec::new(),
             caustics: Image::new(3, 1, vec![Rgb::BLACK; 3]),

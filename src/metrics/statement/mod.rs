@@ -27,6 +27,7 @@ use rayon::prelude::*;
 
 use super::{
     convolve::{convolve, kernel, normalized},
+    noise::relative_deviation,
     plane::Plane,
 };
 use crate::{
@@ -53,12 +54,14 @@ const FEWEST: usize = 4;
 /// What a picture says about its own error.
 #[derive(Clone, Debug)]
 pub struct Statement {
-    /// Standard error of the picture, W/m2/sr.
+    /// Standard error of the picture, W/m2/sr, to eight binary digits.
     pub noise: Image,
     /// Size of the bias that is left in the picture, W/m2/sr: above zero where
     /// the picture is too bright, below where it is too dark. What of it is
-    /// certain: where noise hides it, it is zero.
+    /// certain: where noise hides it, it is zero. To eight binary digits.
     pub bias: Image,
+    /// What [`relative_noise`](super::relative_noise) makes of [`Film::noise`].
+    pub relative_noise: f64,
     /// Relative error of every pixel at 90 %.
     pub bound: Plane,
     /// Which pixels are lit.
@@ -82,6 +85,9 @@ struct Ground {
     floor: f64,
     /// Variances of the picture, as each pixel knows its own, (W/m2/sr)^2.
     variances: Vec<Rgb>,
+    deviations: Vec<noise::Deviations>,
+    /// What the variances come to, as [`Statement`] has it.
+    relative_noise: f64,
     lit: Vec<bool>,
     caustic: Vec<bool>,
     /// The layer of that name.
@@ -111,6 +117,7 @@ impl Statement {
             caustics: figures(&ground.caustic),
             noise: noise.image(&ground),
             bias: blur.image(&ground),
+            relative_noise: ground.relative_noise,
             bound: Plane::join(&total, &total, |t, _| quantile * t.sqrt()),
             lit: ground.lit,
             caustic: ground.caustic,
@@ -174,10 +181,12 @@ impl Ground {
         let present = present(film);
         let known = |i: usize| {
             let (replicates, variance) = film.spread_at(i);
-            (noise::without_extremes(&replicates, &present), variance)
+            let steady = noise::without_extremes(&replicates, &present);
+            let deviations = noise::deviations(&replicates, &present);
+            ((steady, variance), deviations)
         };
-        let pixels = (0..width * height).into_par_iter();
-        let (steady, variances): (Vec<Rgb>, Vec<Rgb>) = pixels.map(known).unzip();
+        let pixels = (0..width * height).into_par_iter().map(known);
+        let ((steady, variances), deviations): ((Vec<Rgb>, Vec<Rgb>), Vec<_>) = pixels.unzip();
         let smooth = [0, 1, 2].map(|c| {
             let plane = |of: &[Rgb]| Plane::new(width, height, of.iter().map(|p| p[c]).collect());
             smoothed([&steady, image.pixels(), &variances].map(plane))
@@ -197,7 +206,9 @@ impl Ground {
             likely,
             squares,
             floor,
+            relative_noise: relative_deviation(&image, variances.iter().copied()),
             variances,
+            deviations,
             caustic: caustic.collect(),
             caustics,
             lit,
@@ -246,6 +257,14 @@ fn standing_out(apart: f64, variance: f64) -> f64 {
     }
 }
 
+/// The nearest number of eight binary digits, half away from zero: no pixel's error
+/// is known any better, and digits that say nothing take time and room in files.
+fn coarse(x: f64) -> f64 {
+    const DROPPED: u32 = 45;
+    let half = 1 << (DROPPED - 1);
+    f64::from_bits((x.to_bits() + half) & !((1 << DROPPED) - 1))
+}
+
 /// The mean over so many pixels to either side.
 fn box_kernel(radius: usize) -> Vec<f64> {
     normalized(kernel(radius, |_| 1.0)).0
@@ -259,6 +278,22 @@ fn relative(squares: Rgb, denominators: Rgb) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn eight_digits_are_kept() {
+        for (x, kept) in [
+            (0.0, 0.0),
+            (-3.0, -3.0),
+            (1.0 + 1.0 / 256.0, 1.0 + 1.0 / 128.0),
+            (-1.0 - 1.0 / 257.0, -1.0),
+            (1.999, 2.0),
+            (f64::INFINITY, f64::INFINITY),
+        ] {
+            assert_eq!(coarse(x), kept);
+        }
+        assert!((coarse(0.1) / 0.1 - 1.0).abs() <= 1.0 / 512.0);
+        assert_eq!((coarse(0.1) as f32).to_bits() & 0xffff, 0);
+    }
 
     /// Away from the edge of a shadow nothing changes; beside it dark pixels stay
     /// dark where there is little noise, and are drawn to the mean where there is

@@ -17,7 +17,7 @@ use crate::{
     spectrum::Rgb,
 };
 
-use super::{Ground, box_kernel, convolve, present, relative};
+use super::{Ground, box_kernel, coarse, convolve, present, relative};
 use crate::metrics::{plane::Plane, student_quantile};
 
 /// Degrees of freedom of a pixel's own variance.
@@ -53,22 +53,14 @@ pub(super) struct Noise {
 
 impl Noise {
     pub(super) fn of(film: &Film, ground: &Ground) -> Self {
-        let present = present(film);
-        let spread = |i: usize| {
-            let replicates = film.replicates_at(i);
-            let sum = present
-                .iter()
-                .fold(Rgb::BLACK, |sum, &r| sum + replicates[r]);
-            let mean = sum / present.len() as f64;
-            let mut deviations = [0.0; REPLICATES];
-            for &r in &present {
-                let deviation = replicates[r] - mean;
-                deviations[r] = relative(deviation * deviation, ground.squares[i]);
-            }
-            deviations
+        let apart = ground.deviations.par_iter().zip(&ground.squares);
+        let squares = |(of, squares): (&Deviations, &Rgb)| {
+            of.map(|d| {
+                let d = Rgb(d.map(f64::from));
+                relative(d * d, *squares)
+            })
         };
-        let pixels = (0..ground.squares.len()).into_par_iter();
-        let deviations = pixels.map(spread).collect();
+        let deviations = apart.map(squares).collect();
         let own = ground.plane(|i| relative(ground.variances[i], ground.squares[i]));
         let around = convolve(&own, &box_kernel(REACH), &box_kernel(REACH));
         let pooled = Plane::join(&own, &around, |own, around| {
@@ -78,7 +70,7 @@ impl Noise {
             own,
             pooled,
             deviations,
-            present,
+            present: present(film),
         }
     }
 
@@ -89,26 +81,45 @@ impl Noise {
             let around = (pooled - OWN / (OWN + AROUND) * own).max(0.0);
             let variance =
                 ground.variances[i] * (OWN / (OWN + AROUND)) + ground.squares[i] * around;
-            variance.map(f64::sqrt)
+            variance.map(|v| coarse(v.sqrt()))
         });
         Image::new(ground.width as u32, ground.height as u32, pixels.collect())
     }
+}
+
+/// How far each replicate is from the mean over those that have passes, in each
+/// channel, W/m2/sr; zero for those without.
+pub(super) type Deviations = [[f32; 3]; REPLICATES];
+
+/// The same of one pixel.
+pub(super) fn deviations(replicates: &[Rgb; REPLICATES], present: &[usize]) -> Deviations {
+    let sum = present
+        .iter()
+        .fold(Rgb::BLACK, |sum, &r| sum + replicates[r]);
+    let mean = sum / present.len() as f64;
+    let mut deviations = Deviations::default();
+    for &r in present {
+        deviations[r] = (replicates[r] - mean).0.map(|d| d as f32);
+    }
+    deviations
 }
 
 /// The mean of those replicates that are present, without the smallest and
 /// the largest of each channel.
 pub(super) fn without_extremes(replicates: &[Rgb; REPLICATES], present: &[usize]) -> Rgb {
     let kept = present.len().saturating_sub(2).max(1);
-    Rgb([0, 1, 2].map(|c| {
-        let (mut low, mut high, mut sum) = (f64::INFINITY, f64::NEG_INFINITY, 0.0);
-        for v in present.iter().map(|&r| replicates[r][c]) {
-            low = low.min(v);
-            high = high.max(v);
-            sum += v;
+    let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
+    let mut sum = [0.0; 3];
+    for &r in present {
+        for (c, v) in replicates[r].0.into_iter().enumerate() {
+            // Films hold nothing but numbers, so one comparison does.
+            low[c] = if v < low[c] { v } else { low[c] };
+            high[c] = if v > high[c] { v } else { high[c] };
+            sum[c] += v;
         }
-        // Rounding must not leave less than nothing.
-        ((sum - low - high) / kept as f64).max(0.0)
-    }))
+    }
+    // Rounding must not leave less than nothing.
+    Rgb([0, 1, 2].map(|c| ((sum[c] - low[c] - high[c]) / kept as f64).max(0.0)))
 }
 
 #[cfg(test)]
