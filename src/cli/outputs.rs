@@ -63,6 +63,7 @@ pub(super) struct Told {
     /// What the picture says about its error, if it does.
     statement: Option<Statement>,
     error: Option<ErrorReport>,
+    last_round: Option<RoundReport>,
 }
 
 impl Told {
@@ -75,18 +76,19 @@ impl Told {
                 json: serde_json::to_string_pretty(report).map_err(|e| e.to_string()),
                 statement: None,
                 error: None,
+                last_round: None,
             }
         }
         if part.subject().is_by_photons() {
             let statement = Statement::of(part.film(), target);
-            let mut report = render::Report::stating(part, statement.as_ref(), target);
-            if let (Some(error), false) =
-                (&mut report.error, part.passes().is_multiple_of(REPLICATES))
-            {
-                error.last_round = last_round;
-            }
+            let is_inside_round = !part.passes().is_multiple_of(REPLICATES);
+            let report = render::Report {
+                last_round: last_round.filter(|_| is_inside_round),
+                ..render::Report::stating(part, statement.as_ref(), target)
+            };
             Told {
                 error: report.error,
+                last_round: report.last_round,
                 statement,
                 ..both(&report)
             }
@@ -107,7 +109,11 @@ impl Told {
                 (false, Some(target)) => format!("; {} % is reached", 100.0 * target),
                 (_, None) => String::new(),
             };
-            tell(format_args!("{error}{verdict}"));
+            let before = self.last_round.map(|round| format!("; {round}"));
+            tell(format_args!(
+                "{error}{}{verdict}",
+                before.unwrap_or_default()
+            ));
         }
     }
 

@@ -282,6 +282,7 @@ impl Report {
                     .map(|noise| relative_noise(&film.image(), &noise)),
             },
             error: statement.map(|s| ErrorReport::of(s, target)),
+            last_round: None,
             seconds: part.seconds,
             lights,
         }

@@ -34,9 +34,6 @@ pub struct ErrorReport {
     pub lit: Figures,
     /// Of those that owe more than a tenth of their light to caustics.
     pub caustics: Option<Figures>,
-    /// What it said after the last full round, if it ends inside the next and was
-    /// looked at then.
-    pub last_round: Option<RoundReport>,
 }
 
 impl ErrorReport {
@@ -45,7 +42,6 @@ impl ErrorReport {
             target,
             lit: statement.whole,
             caustics: statement.caustics,
-            last_round: None,
         }
     }
 }
@@ -90,14 +86,18 @@ impl fmt::Display for ErrorReport {
             let [error, bound] = [caustics.error, caustics.bound].map(|e| 100.0 * e);
             write!(f, "; in the caustics {error:.2} %, at most {bound:.2} %")?;
         }
-        if let Some(RoundReport { passes, lit, .. }) = &self.last_round {
-            let [error, bound] = [lit.error, lit.bound].map(|e| 100.0 * e);
-            write!(
-                f,
-                "; after {passes} passes of full rounds {error:.2} %, at most {bound:.2} %"
-            )?;
-        }
         Ok(())
+    }
+}
+
+impl fmt::Display for RoundReport {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let [error, bound] = [self.lit.error, self.lit.bound].map(|e| 100.0 * e);
+        let passes = self.passes;
+        write!(
+            f,
+            "after {passes} passes of full rounds {error:.2} %, at most {bound:.2} %"
+        )
     }
 }
 
@@ -153,6 +153,10 @@ pub struct Report {
     /// What the picture says about its error; `None` before every replicate
     /// has a pass.
     pub error: Option<ErrorReport>,
+    /// What it said after the last full round, if it ends inside the next. Like the
+    /// seconds a matter of the run, not of the picture: a run that came in later,
+    /// or only merged parts, has not seen it.
+    pub last_round: Option<RoundReport>,
     /// Wall time in seconds; of merged parts the sum.
     pub seconds: f64,
     /// Lights in the order of the scene.

@@ -77,12 +77,14 @@ fn names(directory: &Path) -> Vec<String> {
     names
 }
 
-/// All that a render leaves, but for the time it took.
+/// All that a render leaves, but for the time it took, and apart what it saw of full
+/// rounds: a run that comes in later, or merges parts, has not seen them.
 #[derive(PartialEq)]
 struct Product {
     exr: Vec<u8>,
     png: Vec<u8>,
     report: serde_json::Value,
+    last_round: serde_json::Value,
 }
 
 /// The arguments that make a [`Product`].
@@ -100,8 +102,15 @@ impl Product {
         let mut report: serde_json::Value = serde_json::from_slice(&report).unwrap();
         let seconds = report.as_object_mut().unwrap().remove("seconds").unwrap();
         assert!(seconds.as_f64().unwrap() > 0.0);
+        let last_round = report.as_object_mut().unwrap().remove("last_round");
+        let last_round = last_round.unwrap_or_default();
         let png = fs::read(directory.join("a.png")).unwrap();
-        Self { exr, png, report }
+        Self {
+            exr,
+            png,
+            report,
+            last_round,
+        }
     }
 
     /// What an undisturbed render with further arguments makes.

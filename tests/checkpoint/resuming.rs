@@ -27,7 +27,15 @@ fn more_passes_than_before() {
             path,
             &format!("render scene.ron {FILES} --passes 18 --resume a.ckpt"),
         );
-        truth.assert_same(&Product::in_directory(path), "resumed");
+        let resumed = Product::in_directory(path);
+        truth.assert_same(&resumed, "resumed");
+        // The first one has seen the end of the second round.
+        assert_eq!(truth.last_round["passes"], 16);
+        if times == 0 {
+            assert_eq!(resumed.last_round, truth.last_round);
+        } else {
+            assert!(resumed.last_round.is_null());
+        }
         assert_eq!(passes_in(&path.join("a.ckpt")), 18, "{times}");
     }
     // A time that is over adds nothing.
