@@ -121,12 +121,16 @@ impl Outlook {
 }
 
 /// Whether a full round ends here, and the render will end before the next does, as
-/// far as that is known. Of time, one pass may be mistaken.
+/// far as that is known: how many passes a time holds may be mistaken by half a round.
 fn ends_inside_next(progress: &Progress, goal: Goal) -> bool {
     let done = progress.passes_done;
     let by_passes = goal.passes.unwrap_or(u32::MAX);
     let left = progress.passes_total.min(by_passes).saturating_sub(done);
-    let mistaken = u32::from(goal.time.is_some());
+    let mistaken = if goal.time.is_some() {
+        REPLICATES / 2
+    } else {
+        0
+    };
     done.is_multiple_of(REPLICATES) && left > 0 && left < REPLICATES + mistaken
 }
 
@@ -275,7 +279,7 @@ mod tests {
             "nothing comes after it"
         );
         // What passes take next is not certain; what is typed is.
-        assert!(ends(16, 24, goal(None, Some(9))) && !ends(16, 25, goal(None, Some(9))));
+        assert!(ends(16, 27, goal(None, Some(9))) && !ends(16, 28, goal(None, Some(9))));
         assert!(ends(16, u32::MAX, by_passes));
     }
 }
