@@ -92,7 +92,12 @@ impl Order {
 
     /// The film after some passes.
     fn film_of(self, passes: u32, seed: u64) -> Film {
-        let mut film = Film::new(SIZE, SIZE, Quantum::for_typical(1.0));
+        self.film_in(1.0, passes, seed)
+    }
+
+    /// The same with light so many times as strong.
+    fn film_in(self, unit: f64, passes: u32, seed: u64) -> Film {
+        let mut film = Film::new(SIZE, SIZE, Quantum::for_typical(unit));
         for pass in 0..passes {
             let sample = |i: u32| {
                 let (x, y) = (i % SIZE, i / SIZE);
@@ -102,12 +107,13 @@ impl Order {
                 let bias = self.bias(x, y);
                 let mut sample = PixelSample::default();
                 let value = Self::truth(x) + bias + spread * self.noise.draw(&mut s);
-                sample[Layer::Caustic] = Rgb::grey(value);
+                sample[Layer::Caustic] = Rgb::grey(value * unit);
                 let step = (1.0 - self.ratio) * bias;
                 // Differences of kernels are noisy, too.
                 sample.blur = [step, self.ratio * step];
                 for step in &mut sample.blur {
                     *step += self.steps * spread * self.noise.draw(&mut s);
+                    *step *= unit;
                 }
                 sample
             };
@@ -242,6 +248,19 @@ fn noise_of_the_kernels_is_not_taken_for_bias() {
     // The first step has a standard error of 0.07 / 8^(1/2), or 0.025, and
     // would count twice.
     assert!(squares.sqrt() < 0.012, "{}", squares.sqrt());
+}
+
+/// Relative errors do not know how strong the light is.
+#[test]
+fn any_unit_of_light_serves() {
+    let order = Order { bias: 0.1, ..PLAIN };
+    let of = |unit: f64| Statement::of(&order.film_in(unit, 8, 3), None).expect("a round");
+    let (usual, caustics) = (of(1.0).whole, of(1.0).caustics);
+    for exponent in [-400, -140, 140, 400] {
+        let there = of(libm::ldexp(1.0, exponent));
+        assert_eq!(there.whole, usual, "2^{exponent}");
+        assert_eq!(there.caustics, caustics, "2^{exponent}");
+    }
 }
 
 #[test]

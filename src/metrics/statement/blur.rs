@@ -351,6 +351,7 @@ mod tests {
             floor: 0.25,
             variances: Vec::new(),
             deviations: Vec::new(),
+            unit: 1.0,
             relative_noise: 0.0,
             lit: Vec::new(),
             caustic: Vec::new(),

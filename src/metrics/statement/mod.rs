@@ -85,7 +85,10 @@ struct Ground {
     floor: f64,
     /// Variances of the picture, as each pixel knows its own, (W/m2/sr)^2.
     variances: Vec<Rgb>,
+    /// In units of the picture's mean, which single precision holds at any scale.
     deviations: Vec<noise::Deviations>,
+    /// That unit, W/m2/sr.
+    unit: f64,
     /// What the variances come to, as [`Statement`] has it.
     relative_noise: f64,
     lit: Vec<bool>,
@@ -182,7 +185,7 @@ impl Ground {
         let known = |i: usize| {
             let (replicates, variance) = film.spread_at(i);
             let steady = noise::without_extremes(&replicates, &present);
-            let deviations = noise::deviations(&replicates, &present);
+            let deviations = noise::deviations(&replicates, &present, mean);
             ((steady, variance), deviations)
         };
         let pixels = (0..width * height).into_par_iter().map(known);
@@ -209,6 +212,7 @@ impl Ground {
             relative_noise: relative_deviation(&image, variances.iter().copied()),
             variances,
             deviations,
+            unit: mean,
             caustic: caustic.collect(),
             caustics,
             lit,

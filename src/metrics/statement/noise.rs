@@ -56,7 +56,7 @@ impl Noise {
         let apart = ground.deviations.par_iter().zip(&ground.squares);
         let squares = |(of, squares): (&Deviations, &Rgb)| {
             of.map(|d| {
-                let d = Rgb(d.map(f64::from));
+                let d = Rgb(d.map(f64::from)) * ground.unit;
                 relative(d * d, *squares)
             })
         };
@@ -88,18 +88,22 @@ impl Noise {
 }
 
 /// How far each replicate is from the mean over those that have passes, in each
-/// channel, W/m2/sr; zero for those without.
+/// channel, in some unit; zero for those without.
 pub(super) type Deviations = [[f32; 3]; REPLICATES];
 
-/// The same of one pixel.
-pub(super) fn deviations(replicates: &[Rgb; REPLICATES], present: &[usize]) -> Deviations {
+/// The same of one pixel, in units of so many W/m2/sr.
+pub(super) fn deviations(
+    replicates: &[Rgb; REPLICATES],
+    present: &[usize],
+    unit: f64,
+) -> Deviations {
     let sum = present
         .iter()
         .fold(Rgb::BLACK, |sum, &r| sum + replicates[r]);
     let mean = sum / present.len() as f64;
     let mut deviations = Deviations::default();
     for &r in present {
-        deviations[r] = (replicates[r] - mean).0.map(|d| d as f32);
+        deviations[r] = ((replicates[r] - mean) / unit).0.map(|d| d as f32);
     }
     deviations
 }
