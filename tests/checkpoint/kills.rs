@@ -134,7 +134,7 @@ fn killed_renders_go_on_to_the_same_bytes() {
 
 /// `cargo test --release --test checkpoint -- --ignored --nocapture kills`
 #[test]
-#[ignore = "takes a minute, and how many kills hit a write depends on the machine; \
+#[ignore = "takes 13 s or more, and how many kills hit a write depends on the machine; \
             the test above does the same with twelve. A render that starts faster would mend it"]
 #[allow(clippy::print_stdout, reason = "the figures are what it is run for")]
 fn two_hundred_kills() {
