@@ -3,7 +3,7 @@
 
 use std::collections::BTreeMap;
 
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 use nephroid::{
     geometry::{Ray, SurfaceId},
     plan::{Media, Plan},
@@ -120,7 +120,7 @@ impl Bundle {
         let mut ray = Ray::new(self.origin + dp, (self.dir + dd).normalize());
         let mut media = Media::NONE;
         let mut differential = Differential::new();
-        differential.push(self.pair);
+        differential.push(self.pair, DVec2::INFINITY);
         let (mut surfaces, mut kinds) = (Vec::new(), Vec::new());
         for second in self.second {
             let met = meet(ctx, &ray, f64::INFINITY, &mut media)?;

@@ -5,8 +5,8 @@ use std::f64::consts::PI;
 use glam::DVec3;
 
 use crate::{
-    numeric::{Frame, VectorPair},
-    sampling::warp,
+    numeric::Frame,
+    sampling::warp::{self, Mapped},
     spectrum::Rgb,
 };
 
@@ -29,15 +29,19 @@ impl DiscLight {
     /// The point that `u` in the unit square maps to. Pdf per area: one over
     /// the area.
     pub fn point(&self, u: [f64; 2]) -> DVec3 {
-        let p = warp::disc(u) * self.radius;
-        let frame = Frame::around(self.normal);
-        self.center + frame.s * p.x + frame.t * p.y
+        self.point_mapped(u).at
     }
 
-    /// Derivatives of [`point`](Self::point) by `u`.
-    pub fn point_derivatives(&self, u: [f64; 2]) -> VectorPair {
+    /// [`point`](Self::point) with the patch of a cell around `u`.
+    pub fn point_mapped(&self, u: [f64; 2]) -> Mapped<DVec3> {
+        let local = warp::disc_mapped(u);
+        let p = local.at * self.radius;
         let frame = Frame::around(self.normal);
-        frame.pair_to_world(warp::disc_mapped(u).by) * self.radius
+        Mapped {
+            at: self.center + frame.s * p.x + frame.t * p.y,
+            by: frame.pair_to_world(local.by) * self.radius,
+            room: local.room,
+        }
     }
 
     pub(super) fn sample_direct(&self, p: DVec3, u: [f64; 2]) -> Option<DirectSample> {

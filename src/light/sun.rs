@@ -5,8 +5,8 @@ use std::f64::consts::PI;
 use glam::DVec3;
 
 use crate::{
-    numeric::{Frame, VectorPair, trig},
-    sampling::warp,
+    numeric::{Frame, trig},
+    sampling::warp::{self, Mapped},
     spectrum::Rgb,
 };
 
@@ -47,31 +47,33 @@ impl Sun {
         }
     }
 
-    /// A direction of travel, uniform in solid angle over the cone, and the
-    /// irradiance that it stands for on a surface facing it: radiance over
-    /// pdf, in W/m2.
-    pub fn sample_travel(&self, u: [f64; 2]) -> (DVec3, Rgb) {
+    /// A direction of travel, uniform in solid angle over the cone.
+    pub fn travel(&self, u: [f64; 2]) -> Mapped<DVec3> {
         if self.sin_half == 0.0 {
-            return (self.axis, self.irradiance);
+            return Mapped::fixed(self.axis);
         }
         let q = warp::one_minus_cos(self.sin_half);
-        let dir = Frame::around(self.axis).to_world(warp::cone(u, q));
-        (dir, self.radiance() / warp::cone_pdf(q))
+        let local = warp::cone_mapped(u, q).0;
+        let frame = Frame::around(self.axis);
+        Mapped {
+            at: frame.to_world(local.at),
+            by: frame.pair_to_world(local.by),
+            room: local.room,
+        }
     }
 
-    /// Derivatives of the direction of [`sample_travel`](Self::sample_travel)
-    /// by `u`; zero for an ideal parallel light.
-    pub fn travel_derivatives(&self, u: [f64; 2]) -> VectorPair {
+    /// The irradiance that one direction of [`travel`](Self::travel) stands for
+    /// on a surface facing it: radiance over pdf, in W/m2.
+    pub fn travelling(&self) -> Rgb {
         if self.sin_half == 0.0 {
-            return VectorPair::ZERO;
+            return self.irradiance;
         }
         let q = warp::one_minus_cos(self.sin_half);
-        let frame = Frame::around(self.axis);
-        frame.pair_to_world(warp::cone_mapped(u, q).0.by)
+        self.radiance() / warp::cone_pdf(q)
     }
 
     pub(super) fn sample_direct(&self, u: [f64; 2]) -> Option<DirectSample> {
-        let (dir, weight) = self.sample_travel(u);
+        let (dir, weight) = (self.travel(u).at, self.travelling());
         (!weight.is_black()).then_some(DirectSample {
             source: Source::Direction(-dir),
             wi: -dir,

@@ -22,7 +22,10 @@ use crate::{
     geometry::BoundingSphere,
     light::{Beam, Light, SpotLight, Sun},
     numeric::{Frame, VectorPair},
-    sampling::{Guided, warp},
+    sampling::{
+        GUIDE_PAIRS, Guided,
+        warp::{self, Mapped},
+    },
     spectrum::Rgb,
     transport::{Differential, Pair},
 };
@@ -55,18 +58,10 @@ impl Start {
     /// nearer, and there only as far as the light's emission goes.
     pub(super) fn stretch(&mut self, guided: &Guided) {
         self.own_density *= guided.density;
-        let [a, b, c, d] = guided.stretch;
-        let stretch = [DVec2::new(a, b), DVec2::new(c, d)];
-        for (pair, by) in self.differential.pairs_mut().iter_mut().zip(stretch) {
-            pair.dp = pair.dp * by;
-            pair.dd = pair.dd * by;
+        for i in 0..GUIDE_PAIRS {
+            self.differential
+                .stretch(i, guided.edge[i], guided.kernel[i]);
         }
-        let [a, b, c, d] = guided.room;
-        self.differential.bound(0, [a, b]);
-        self.differential.bound(1, [c, d]);
-        let [a, b, c, d] = guided.kernel;
-        self.differential.resize(0, [a, b]);
-        self.differential.resize(1, [c, d]);
     }
 
     /// Moves back along the start's line, to where parallel light has met
@@ -98,6 +93,7 @@ pub(super) fn draw(light: &Light, target: Target, dir: [f64; 2], point: [f64; 2]
             let place = Place {
                 origin: l.center + normal * l.radius,
                 moves: turns * l.radius,
+                room: local.room,
                 normal,
                 turns,
                 area: cap_area(l.radius, &cap),
@@ -108,6 +104,7 @@ pub(super) fn draw(light: &Light, target: Target, dir: [f64; 2], point: [f64; 2]
             let place = Place {
                 origin: l.point(point),
                 moves: VectorPair::from([l.u, l.v]),
+                room: DVec2::from_array(point.map(|u| u.min(1.0 - u))),
                 normal: l.normal(),
                 turns: VectorPair::ZERO,
                 area: l.area(),
@@ -115,9 +112,11 @@ pub(super) fn draw(light: &Light, target: Target, dir: [f64; 2], point: [f64; 2]
             from_surface(&place, l.radiance, target, dir)
         }
         Light::Disc(l) => {
+            let mapped = l.point_mapped(point);
             let place = Place {
-                origin: l.point(point),
-                moves: l.point_derivatives(point),
+                origin: mapped.at,
+                moves: mapped.by,
+                room: mapped.room,
                 normal: l.normal,
                 turns: VectorPair::ZERO,
                 area: disc_area(l.radius),
@@ -138,7 +137,7 @@ pub(super) fn strength(light: &Light) -> f64 {
         Light::Quad(l) => l.radiance,
         Light::Disc(l) => l.radiance,
         Light::Beam(l) => l.irradiance,
-        Light::Sun(l) => l.sample_travel([0.5; 2]).1,
+        Light::Sun(l) => l.travelling(),
     }
     .mean()
 }
@@ -171,10 +170,11 @@ fn from_point(
     let local = warp::cone_mapped(u, cone.q).0;
     let dir = frame.to_world(local.at).normalize();
     let mut differential = Differential::new();
-    differential.push(Pair {
+    let pair = Pair {
         dp: VectorPair::ZERO,
         dd: frame.pair_to_world(local.by),
-    });
+    };
+    differential.push(pair, local.room);
     Start {
         origin: p,
         dir,
@@ -190,6 +190,8 @@ struct Place {
     origin: DVec3,
     /// Derivatives of the origin.
     moves: VectorPair,
+    /// How far the coordinates are from the end of their range.
+    room: DVec2,
     normal: DVec3,
     /// Derivatives of the normal.
     turns: VectorPair,
@@ -199,13 +201,14 @@ struct Place {
 
 /// A direction from a place: towards the target, or by Lambert's law.
 fn from_surface(at: &Place, radiance: Rgb, target: Target, u: [f64; 2]) -> Start {
-    let (dir, pdf, dirs, point_dirs);
+    let (dir, pdf, dirs, room, point_dirs);
     if let Some((sphere, cone)) = aimed(at.origin, target) {
         let (local, by_q) = warp::cone_mapped(u, cone.q);
         let frame = Frame::around(cone.axis);
         dir = frame.to_world(local.at).normalize();
         pdf = density(&cone);
         dirs = frame.pair_to_world(local.by);
+        room = local.room;
         // The cone turns and widens as the point moves.
         let widening = frame.to_world(by_q);
         point_dirs = VectorPair::from(at.moves.to_array().map(|dp| {
@@ -218,18 +221,21 @@ fn from_surface(at: &Place, radiance: Rgb, target: Target, u: [f64; 2]) -> Start
         dir = frame.to_world(local.at).normalize();
         pdf = warp::cosine_hemisphere_pdf(local.at.z);
         dirs = frame.pair_to_world(local.by);
+        room = local.room;
         let turns = at.turns.to_array();
         point_dirs = VectorPair::from(turns.map(|dn| frame.change(dn).to_world(local.at)));
     }
     let mut differential = Differential::new();
-    differential.push(Pair {
+    let direction = Pair {
         dp: VectorPair::ZERO,
         dd: dirs,
-    });
-    differential.push(Pair {
+    };
+    let point = Pair {
         dp: at.moves,
         dd: point_dirs,
-    });
+    };
+    differential.push(direction, room);
+    differential.push(point, at.room);
     Start {
         origin: at.origin,
         dir,
@@ -251,20 +257,23 @@ fn from_beam(light: &Beam, target: Target, u: [f64; 2]) -> Start {
 }
 
 fn from_sun(light: &Sun, target: Target, u: [f64; 2], point: [f64; 2]) -> Start {
-    let (travel, emission) = light.sample_travel(point);
+    let Mapped {
+        at: travel,
+        by: turns,
+        room,
+    } = light.travel(point);
     // Without a bounded target there is no cross-section to draw from.
     let section = Section::of(target, travel, UNBOUNDED);
-    let mut start = across(&section, travel, emission, u);
+    let mut start = across(&section, travel, light.travelling(), u);
     if light.sin_half > 0.0 {
         let frame = Frame::around(travel);
         let f = start.origin - section.center;
         let (x, y) = (f.dot(frame.s), f.dot(frame.t));
-        let turns = light.travel_derivatives(point);
         let center = match target {
             Target::Sphere(s) => s.center - UNBOUNDED.center,
             Target::Whole => DVec3::ZERO,
         };
-        start.differential.push(Pair {
+        let pair = Pair {
             // The section's centre is that of the target, less its part along
             // the direction of travel.
             dp: VectorPair::from(turns.to_array().map(|dt| {
@@ -272,7 +281,8 @@ fn from_sun(light: &Sun, target: Target, u: [f64; 2], point: [f64; 2]) -> Start 
                 change.s * x + change.t * y - dt * center.dot(travel) - travel * center.dot(dt)
             })),
             dd: turns,
-        });
+        };
+        start.differential.push(pair, room);
     }
     start
 }
@@ -284,10 +294,11 @@ fn across(section: &Section, dir: DVec3, emission: Rgb, u: [f64; 2]) -> Start {
     let offset = disc.at * section.radius;
     let own_density = 1.0 / disc_area(section.radius);
     let mut differential = Differential::new();
-    differential.push(Pair {
+    let pair = Pair {
         dp: frame.pair_to_world(disc.by) * section.radius,
         dd: VectorPair::ZERO,
-    });
+    };
+    differential.push(pair, disc.room);
     Start {
         origin: section.center + frame.s * offset.x + frame.t * offset.y,
         dir,

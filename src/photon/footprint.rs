@@ -80,8 +80,7 @@ impl Footprint {
             let h = scale * sizes.squared[i].sqrt();
             strain += sizes.squared[i] * differential.strains()[i];
             // No kernel reaches past the last photon of its light.
-            let h = (DVec2::from_array(differential.kernel()[i]) * h)
-                .min(DVec2::from_array(differential.room()[i]));
+            let h = DVec2::splat(differential.kernel()[i] * h).min(differential.room()[i]);
             steps[i] = h;
             sides[i] = Sides {
                 s: pair.dp.dot(frame.s) * h,

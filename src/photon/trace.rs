@@ -6,14 +6,12 @@
 //! surfaces which a camera path would have to find by chance: a focus is a
 //! small bright lamp.
 
-use std::f64::consts::PI;
-
 use glam::DVec3;
 
 use crate::{
     geometry::SurfacePoint,
     material::Material,
-    numeric::{Frame, VectorPair},
+    numeric::Frame,
     sampling::{Stream, warp},
     scene::Kernel,
     spectrum::Rgb,
@@ -213,11 +211,11 @@ fn trace_in<const NESTED: bool, const SPREAD: bool, W: FnMut(Step), S: FnMut(Pho
                 break;
             }
             bounced = true;
-            let local = warp::cosine_hemisphere(stream.next_2d());
+            let local = warp::cosine_hemisphere_mapped(stream.next_2d());
             let frame = Frame::around(landed.normal);
-            let direction = frame.to_world(local).normalize();
+            let direction = frame.to_world(local.at).normalize();
             if SPREAD {
-                differential.restart(cosine_cell(&frame, local));
+                differential.restart(frame.pair_to_world(local.by), local.room);
             }
             (direction, reflectance.max())
         };
@@ -269,18 +267,6 @@ fn patch<const NESTED: bool, const SPREAD: bool>(
         footprint.learn(&rim, p - landed.position - rim.way);
     }
     Some(footprint)
-}
-
-/// Derivatives of a cosine-distributed direction by a square of the same area
-/// as the unit square: the disc below the direction is covered evenly, so any
-/// orientation serves.
-fn cosine_cell(frame: &Frame, local: DVec3) -> VectorPair {
-    let edge = PI.sqrt();
-    let z = local.z.max(f64::MIN_POSITIVE);
-    VectorPair::from([
-        (frame.s - frame.n * (local.x / z)) * edge,
-        (frame.t - frame.n * (local.y / z)) * edge,
-    ])
 }
 
 /// The flux after a specular step, with its change booked.

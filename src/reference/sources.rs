@@ -216,7 +216,7 @@ impl<'a> Sources<'a> {
                 (Seat::Far { travel: l.axis }, Ray::new(origin, l.axis), flux)
             }
             Light::Sun(l) => {
-                let (travel, irradiance) = l.sample_travel(direction);
+                let (travel, irradiance) = (l.travel(direction).at, l.travelling());
                 let travel = travel.normalize();
                 let rim = self.center - travel * self.radius;
                 let origin = across(rim, travel, self.radius, point);

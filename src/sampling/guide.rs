@@ -17,6 +17,10 @@ use learn::grow;
 /// Most coordinates of a cube.
 pub const GUIDE_DIMENSIONS: usize = 4;
 
+/// Most pairs of coordinates: the first and the second one, the third and the
+/// fourth one.
+pub const GUIDE_PAIRS: usize = GUIDE_DIMENSIONS / 2;
+
 /// Most cells.
 const MAX_LEAVES: usize = 512;
 
@@ -25,7 +29,7 @@ const MAX_LEAVES: usize = 512;
 const COARSE_LEAVES: usize = 64;
 const BLUR: f64 = 1.0;
 
-/// How far around a point stretches are averaged, in widths of its cell.
+/// How far around a point edges are averaged, in widths of its cell.
 const AROUND: f64 = 0.4;
 
 /// Where they are taken, in units of that: along every coordinate one place in
@@ -43,35 +47,25 @@ const BELOW_ONE: f64 = 1.0 - f64::EPSILON / 2.0;
 /// Samples per cell that must have been seen for as many cells.
 const SAMPLES_PER_LEAF: usize = 4;
 
-/// A node: a leaf has no halves.
+/// A cell of the tree.
 #[derive(Clone, Copy, Debug)]
-struct Node {
-    /// Index of the lower half; the upper half follows. 0 in a leaf.
-    halves: u32,
-    /// Coordinate along which the cell is halved.
-    dimension: u8,
-    /// Probability of the lower half, strictly between 0 and 1.
-    low: f64,
-    /// Where the upper half begins.
-    middle: f64,
-    /// Index of a leaf's cell.
-    cell: u32,
-}
-
-const LEAF: Node = Node {
-    halves: 0,
-    dimension: 0,
-    low: 0.5,
-    middle: 0.5,
-    cell: 0,
-};
-
-/// A cell by coordinates.
-#[derive(Clone, Copy, Debug)]
-struct CellShape {
-    width: [f64; GUIDE_DIMENSIONS],
-    /// Width over the probability of the halvings along a coordinate.
-    stretch: [f64; GUIDE_DIMENSIONS],
+enum Node {
+    /// One that is not halved.
+    Leaf {
+        /// See [`Guided::edge`].
+        edge: [f64; GUIDE_PAIRS],
+    },
+    /// One that is.
+    Inner {
+        /// Coordinate along which it is halved.
+        dimension: u8,
+        /// Index of the lower half; the upper half follows.
+        halves: u32,
+        /// Probability of the lower half, strictly between 0 and 1.
+        low: f64,
+        /// Where the upper half begins.
+        middle: f64,
+    },
 }
 
 /// A distribution over the unit cube of up to four dimensions, constant in
@@ -79,7 +73,6 @@ struct CellShape {
 #[derive(Clone, Debug)]
 pub struct Guide {
     nodes: Vec<Node>,
-    cells: Vec<CellShape>,
 }
 
 /// A point of a guide's distribution.
@@ -89,17 +82,16 @@ pub struct Guided {
     pub at: [f64; GUIDE_DIMENSIONS],
     /// Its density; the uniform one is 1.
     pub density: f64,
-    /// Derivative of each coordinate by that of the even point. Their product
-    /// is one over the density.
-    pub stretch: [f64; GUIDE_DIMENSIONS],
-    /// The mean stretch around the point over that at the point. Kernels that
+    /// For each pair of coordinates, the root of the area of a small square's
+    /// image over its own: the edge of an even patch of that area. A patch of
+    /// the image's own shape would tell how the tree happened to grow. The
+    /// product of the squares is one over the density.
+    pub edge: [f64; GUIDE_PAIRS],
+    /// The mean edge around the point over that at the point. Kernels that
     /// are larger by this factor change their size from cell to cell by
     /// degrees: where it changes at once, there are ripples. Places around the
     /// point are partly random; wholly random ones would make light uneven.
-    pub kernel: [f64; GUIDE_DIMENSIONS],
-    /// How far each coordinate of the point is from the end of the cube, in
-    /// coordinates of the even point as they are stretched here.
-    pub room: [f64; GUIDE_DIMENSIONS],
+    pub kernel: [f64; GUIDE_PAIRS],
 }
 
 impl Guided {
@@ -108,9 +100,8 @@ impl Guided {
         Self {
             at,
             density: 1.0,
-            stretch: [1.0; GUIDE_DIMENSIONS],
-            kernel: [1.0; GUIDE_DIMENSIONS],
-            room: at.map(|u| u.min(1.0 - u)),
+            edge: [1.0; GUIDE_PAIRS],
+            kernel: [1.0; GUIDE_PAIRS],
         }
     }
 }
@@ -152,28 +143,25 @@ impl Guide {
 
     /// The guide of a finished tree.
     fn of(mut nodes: Vec<Node>) -> Self {
-        let mut cells = Vec::with_capacity(nodes.len().div_ceil(2));
-        let whole = CellShape {
-            width: [1.0; GUIDE_DIMENSIONS],
-            stretch: [1.0; GUIDE_DIMENSIONS],
-        };
-        let mut open = vec![(0, whole)];
-        while let Some((i, shape)) = open.pop() {
-            let node = &mut nodes[i];
-            if node.halves == 0 {
-                node.cell = cells.len() as u32;
-                cells.push(shape);
-                continue;
-            }
-            let d = usize::from(node.dimension);
-            for (half, p) in [(0, node.low), (1, 1.0 - node.low)] {
-                let mut shape = shape;
-                shape.width[d] *= 0.5;
-                shape.stretch[d] *= 0.5 / p;
-                open.push((node.halves as usize + half, shape));
+        let mut open = vec![(0, [1.0; GUIDE_PAIRS])];
+        while let Some((i, areas)) = open.pop() {
+            match &mut nodes[i] {
+                Node::Leaf { edge } => *edge = areas.map(f64::sqrt),
+                Node::Inner {
+                    dimension,
+                    halves,
+                    low,
+                    ..
+                } => {
+                    for (half, p) in [(0, *low), (1, 1.0 - *low)] {
+                        let mut areas = areas;
+                        areas[usize::from(*dimension) / 2] *= 0.5 / p;
+                        open.push((*halves as usize + half, areas));
+                    }
+                }
             }
         }
-        Self { nodes, cells }
+        Self { nodes }
     }
 
     /// A point moved by up to the width of its cell along each coordinate,
@@ -181,7 +169,8 @@ impl Guide {
     /// golden ratio of M. Roberts, 2018); reflected at the border.
     fn displaced(&self, at: [f64; GUIDE_DIMENSIONS], i: u32) -> [f64; GUIDE_DIMENSIONS] {
         const RATIO: f64 = 1.0 / 1.167_303_978_261_418_7;
-        let width = self.cell(at).width;
+        let mut width = [1.0; GUIDE_DIMENSIONS];
+        self.edge(at, |d| width[d] *= 0.5);
         let mut alpha = 1.0;
         std::array::from_fn(|d| {
             alpha *= RATIO;
@@ -190,15 +179,30 @@ impl Guide {
         })
     }
 
-    /// The cell in which a point lies.
+    /// The edges of the cell in which a point lies. Every coordinate along
+    /// which a cell around it is halved is told.
     #[inline]
-    fn cell(&self, at: [f64; GUIDE_DIMENSIONS]) -> &CellShape {
+    fn edge(
+        &self,
+        at: [f64; GUIDE_DIMENSIONS],
+        mut halved: impl FnMut(usize),
+    ) -> [f64; GUIDE_PAIRS] {
         let mut node = &self.nodes[0];
-        while node.halves != 0 {
-            let upper = at[usize::from(node.dimension)] >= node.middle;
-            node = &self.nodes[node.halves as usize + usize::from(upper)];
+        loop {
+            match *node {
+                Node::Leaf { edge } => return edge,
+                Node::Inner {
+                    dimension,
+                    halves,
+                    middle,
+                    ..
+                } => {
+                    let d = usize::from(dimension) % GUIDE_DIMENSIONS;
+                    halved(d);
+                    node = &self.nodes[halves as usize + usize::from(at[d] >= middle)];
+                }
+            }
         }
-        &self.cells[node.cell as usize]
     }
 
     /// Maps an even point of the cube to a point of the distribution.
@@ -207,45 +211,49 @@ impl Guide {
         let mut u = even;
         let mut low = [0.0; GUIDE_DIMENSIONS];
         let mut width = [1.0; GUIDE_DIMENSIONS];
-        let mut chance = [1.0; GUIDE_DIMENSIONS];
         let mut node = &self.nodes[0];
-        while node.halves != 0 {
-            let d = usize::from(node.dimension);
-            width[d] *= 0.5;
-            let (rest, p, upper) = if u[d] < node.low {
-                (u[d] / node.low, node.low, 0)
-            } else {
-                low[d] += width[d];
-                ((u[d] - node.low) / (1.0 - node.low), 1.0 - node.low, 1)
-            };
-            u[d] = rest.min(BELOW_ONE);
-            chance[d] *= p;
-            node = &self.nodes[(node.halves + upper) as usize];
-        }
-        let mut out = Guided::even(even);
-        for d in 0..GUIDE_DIMENSIONS {
-            out.at[d] = (low[d] + width[d] * u[d]).min(BELOW_ONE);
-            out.stretch[d] = width[d] / chance[d];
-            out.density *= chance[d] / width[d];
-        }
+        let edge = loop {
+            match *node {
+                Node::Leaf { edge } => break edge,
+                Node::Inner {
+                    dimension,
+                    halves,
+                    low: share,
+                    ..
+                } => {
+                    let d = usize::from(dimension) % GUIDE_DIMENSIONS;
+                    width[d] *= 0.5;
+                    let (rest, upper) = if u[d] < share {
+                        (u[d] / share, 0)
+                    } else {
+                        low[d] += width[d];
+                        ((u[d] - share) / (1.0 - share), 1)
+                    };
+                    u[d] = rest.min(BELOW_ONE);
+                    node = &self.nodes[(halves + upper) as usize];
+                }
+            }
+        };
+        let at = std::array::from_fn(|d| (low[d] + width[d] * u[d]).min(BELOW_ONE));
         // Four numbers of sixteen bits, at random but always the same.
         let hash = even.iter().fold(0, |hash, u| mix2(hash, u.to_bits()));
         let jitter: [f64; GUIDE_DIMENSIONS] =
             std::array::from_fn(|d| f64::from((hash >> (16 * d)) as u16) / 65536.0 - 0.5);
-        let mut product = [1.0; GUIDE_DIMENSIONS];
+        let mut product = [1.0; GUIDE_PAIRS];
         for offsets in PLACES {
             let near = std::array::from_fn(|d| {
-                reflected(out.at[d] + AROUND * width[d] * (offsets[d] + 0.5 * jitter[d]))
+                reflected(at[d] + AROUND * width[d] * (offsets[d] + 0.5 * jitter[d]))
             });
-            for (product, stretch) in product.iter_mut().zip(self.cell(near).stretch) {
-                *product *= stretch;
+            for (product, edge) in product.iter_mut().zip(self.edge(near, |_| {})) {
+                *product *= edge;
             }
         }
-        for (d, product) in product.into_iter().enumerate() {
-            out.kernel[d] = f64::sqrt(product).sqrt() / out.stretch[d];
-            out.room[d] = out.at[d].min(1.0 - out.at[d]) / out.stretch[d];
+        Guided {
+            at,
+            density: 1.0 / edge.iter().map(|e| e * e).product::<f64>(),
+            edge,
+            kernel: std::array::from_fn(|i| product[i].sqrt().sqrt() / edge[i]),
         }
-        out
     }
 
     /// Number of cells.

@@ -15,7 +15,7 @@ mod stream;
 pub mod warp;
 
 pub use discrete::Discrete;
-pub use guide::{GUIDE_DIMENSIONS, Guide, Guided, Weighed};
+pub use guide::{GUIDE_DIMENSIONS, GUIDE_PAIRS, Guide, Guided, Weighed};
 pub use hash::{mix, mix2};
 pub use sobol::{DIMENSIONS, sobol, sobol_owen};
 pub use stream::{LOW_DISCREPANCY, Purpose, Sequence, Stream};

@@ -5,7 +5,7 @@
 //! neighbours land from it follows from the derivatives of its ray: they turn
 //! a cell of the sample space into a patch of the receiver.
 
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 
 use crate::{geometry::Turning, numeric::VectorPair};
 
@@ -56,8 +56,8 @@ pub struct Differential {
     pairs: [Pair; MAX_PAIRS],
     count: usize,
     strain: [f64; MAX_PAIRS],
-    room: [[f64; 2]; MAX_PAIRS],
-    kernel: [[f64; 2]; MAX_PAIRS],
+    room: [DVec2; MAX_PAIRS],
+    kernel: [f64; MAX_PAIRS],
     /// Probability of the discrete choices on the path so far: light, target,
     /// lobe, roulette. Neighbours of this path are rarer by this factor.
     pub chance: f64,
@@ -70,17 +70,19 @@ impl Differential {
             pairs: [Pair::default(); MAX_PAIRS],
             count: 0,
             strain: [0.0; MAX_PAIRS],
-            room: [[f64::INFINITY; 2]; MAX_PAIRS],
-            kernel: [[1.0; 2]; MAX_PAIRS],
+            room: [DVec2::INFINITY; MAX_PAIRS],
+            kernel: [1.0; MAX_PAIRS],
             chance: 1.0,
         }
     }
 
-    /// Adds a pair of coordinates; pairs beyond [`MAX_PAIRS`] are ignored.
+    /// Adds a pair of coordinates, and how far each is from the end of its
+    /// range: neighbours end there. Pairs beyond [`MAX_PAIRS`] are ignored.
     #[inline]
-    pub fn push(&mut self, pair: Pair) {
+    pub fn push(&mut self, pair: Pair, room: DVec2) {
         if let Some(slot) = self.pairs.get_mut(self.count) {
             *slot = pair;
+            self.room[self.count] = room;
             self.count += 1;
         }
     }
@@ -91,33 +93,29 @@ impl Differential {
         &self.pairs[..self.count]
     }
 
-    /// Tells how far a pair's coordinates are from the end of their range:
-    /// neighbours end there.
+    /// Makes the cells of a pair's coordinates larger by `edge` on either side,
+    /// above 0, and kernels larger by `kernel` than their cell asks for.
     #[inline]
-    pub fn bound(&mut self, pair: usize, room: [f64; 2]) {
-        if let Some(slot) = self.room.get_mut(pair) {
-            *slot = room;
+    pub fn stretch(&mut self, pair: usize, edge: f64, kernel: f64) {
+        if pair >= self.count {
+            return;
         }
+        let Pair { dp, dd } = &mut self.pairs[pair];
+        (*dp, *dd) = (*dp * edge, *dd * edge);
+        self.room[pair] /= edge;
+        self.kernel[pair] = kernel;
     }
 
-    /// Sets the factors on the size of kernels along a pair's coordinates.
+    /// By what kernels are larger along each pair's coordinates than their cell
+    /// asks for, 1 where nothing was said.
     #[inline]
-    pub fn resize(&mut self, pair: usize, kernel: [f64; 2]) {
-        if let Some(slot) = self.kernel.get_mut(pair) {
-            *slot = kernel;
-        }
-    }
-
-    /// By what kernels along each pair's coordinates are larger than their
-    /// cell asks for, 1 where nothing was said.
-    #[inline]
-    pub fn kernel(&self) -> &[[f64; 2]] {
+    pub fn kernel(&self) -> &[f64] {
         &self.kernel[..self.count]
     }
 
     /// How far each pair's coordinates are from the end of their range.
     #[inline]
-    pub fn room(&self) -> &[[f64; 2]] {
+    pub fn room(&self) -> &[DVec2] {
         &self.room[..self.count]
     }
 
@@ -199,15 +197,14 @@ impl Differential {
     }
 
     /// Goes on from a diffuse surface in a direction drawn anew: what was a
-    /// change of direction ends here, and `dd` begins a pair of its own.
-    pub fn restart(&mut self, dd: VectorPair) {
+    /// change of direction ends here, and `dd` begins a pair of its own, with
+    /// `room` to the end of its range.
+    pub fn restart(&mut self, dd: VectorPair, room: DVec2) {
         for pair in self.pairs_mut() {
             pair.dd = VectorPair::ZERO;
         }
-        self.push(Pair {
-            dp: VectorPair::ZERO,
-            dd,
-        });
+        let dp = VectorPair::ZERO;
+        self.push(Pair { dp, dd }, room);
     }
 }
 

@@ -1,7 +1,7 @@
-//! The derivatives of starts against differences of the map, and against the
+//! The cells around starts against differences of the map, and against the
 //! densities.
 
-use std::f64::consts::TAU;
+use std::f64::consts::{PI, TAU};
 
 use glam::DVec3;
 
@@ -133,36 +133,107 @@ fn for_all(mut check: impl FnMut(&str, &Light, Target, [f64; 4], &Start)) {
     }
 }
 
+/// The sides of a cell are derivatives along two steps in the square whose
+/// parallelogram has area 1: what one of origin and direction says about the
+/// steps holds for the other. What is drawn from something round has equal and
+/// perpendicular sides.
+///
 /// Central differences of step 1e-5, whose error is of the order of 1e-10
 /// times the third derivative, which is below 1e5 times the first.
 #[test]
-fn differentials_are_derivatives() {
+fn cells_follow_the_map() {
     const H: f64 = 1e-5;
     for_all(|name, light, target, u, at| {
         for (k, pair) in at.differential.pairs().iter().enumerate() {
-            let (by_p, by_d) = (pair.dp.to_array(), pair.dd.to_array());
-            for j in 0..2 {
+            let by = [0, 1].map(|j| {
                 let moved = |h: f64| {
                     let mut v = u;
                     v[2 * k + j] += h;
                     start(light, target, v)
                 };
                 let (a, b) = (moved(H), moved(-H));
-                let dp = (a.origin - b.origin) / (2.0 * H);
-                let dd = (a.dir - b.dir) / (2.0 * H);
-                // Rounding of the difference: a hundred units at most.
-                let floor = 1e-14 * (1.0 + at.origin.length()) / H;
-                for (got, expected) in [(by_p[j], dp), (by_d[j], dd)] {
-                    let off = (got - expected).length();
+                [a.origin - b.origin, a.dir - b.dir].map(|v| v / (2.0 * H))
+            });
+            let origins = VectorPair::from(by.map(|b| b[0]));
+            let dirs = VectorPair::from(by.map(|b| b[1]));
+            let in_sun = k == 1 && matches!(light, Light::Sun(_));
+            let ([a, b], [s, t]) = if in_sun || pair.dp == VectorPair::ZERO {
+                (dirs.to_array(), pair.dd.to_array())
+            } else {
+                (origins.to_array(), pair.dp.to_array())
+            };
+            let area = a.cross(b);
+            let coordinates = |v: DVec3| {
+                DVec2::new(v.cross(b).dot(area), a.cross(v).dot(area)) / area.length_squared()
+            };
+            let steps = [s, t].map(coordinates);
+            let what = format!("{name}, {target:?}, {u:?}, pair {k}");
+            assert!(
+                (steps[0].perp_dot(steps[1]).abs() - 1.0).abs() < 1e-5,
+                "{what}: {steps:?}"
+            );
+            // Rounding of the difference: a hundred units at most.
+            let floor = 1e-14 * (1.0 + at.origin.length()) / H;
+            for (got, by) in [(pair.dp, origins), (pair.dd, dirs)] {
+                let (got, [a, b]) = (got.to_array(), by.to_array());
+                for (got, step) in got.iter().zip(steps) {
+                    let expected = a * step.x + b * step.y;
+                    let size = a.length() * step.x.abs() + b.length() * step.y.abs();
                     assert!(
-                        off <= 1e-5 * expected.length() + floor,
-                        "{name}, {target:?}, {u:?}, {k}.{j}: {got} is not {expected}"
+                        (*got - expected).length() <= 1e-5 * size + floor * step.length(),
+                        "{what}: {got} is not {expected}"
                     );
                 }
+            }
+            let edges = matches!(light, Light::Quad(_)) && k == 1;
+            if edges {
                 assert!(
-                    by_d[j].dot(at.dir).abs() <= 1e-12 * (1.0 + by_d[j].length()),
+                    (steps[0] - DVec2::X).length() < 1e-5 && (steps[1] - DVec2::Y).length() < 1e-5,
+                    "{what}: {steps:?}"
+                );
+            } else {
+                let (n, m) = (s.length(), t.length());
+                assert!(
+                    (n / m - 1.0).abs() < 1e-9 && s.dot(t).abs() < 1e-9 * n * m,
+                    "{what}: {s}, {t}"
+                );
+            }
+            for dd in pair.dd.to_array() {
+                assert!(
+                    dd.dot(at.dir).abs() <= 1e-12 * (1.0 + dd.length()),
                     "{name}: a unit vector turns about itself"
                 );
+            }
+        }
+    });
+}
+
+/// A cell that is moved along a side by as much as there is room stays in what
+/// the light covers: the start of the emission is as close to the map's rim as
+/// the coordinates of its sample tell.
+#[test]
+fn room_ends_at_the_rim() {
+    for_all(|name, light, target, u, at| {
+        for (k, room) in at.differential.room().iter().enumerate() {
+            let [a, b] = [u[2 * k], u[2 * k + 1]];
+            let expected = if matches!(light, Light::Quad(_)) && k == 1 {
+                DVec2::new(a.min(1.0 - a), b.min(1.0 - b))
+            } else {
+                let r = (2.0 * a - 1.0).abs().max((2.0 * b - 1.0).abs());
+                // A disc of area 1, and half its chord.
+                DVec2::new(1.0 - r, (1.0 - r * r).sqrt()) / PI.sqrt()
+            };
+            // Under Lambert's law cells grow towards the horizon.
+            let lambert = k == 0
+                && matches!(target, Target::Whole)
+                && matches!(light, Light::Sphere(_) | Light::Quad(_) | Light::Disc(_));
+            if lambert {
+                let z = at.dir.dot(at.normal);
+                let off = (*room - DVec2::new(z, 1.0) * (z / PI).sqrt()).length();
+                assert!(off < 1e-9, "{name}, {u:?}: {room}");
+            } else {
+                let off = (*room - expected).length();
+                assert!(off < 1e-12, "{name}, {target:?}, {u:?}: {room}, {expected}");
             }
         }
     });

@@ -2,7 +2,7 @@
 
 use std::{cmp::Ordering, collections::BinaryHeap};
 
-use super::{GUIDE_DIMENSIONS, LEAF, Node, Weighed};
+use super::{GUIDE_DIMENSIONS, GUIDE_PAIRS, Node, Weighed};
 
 /// Part of the probability that is spread evenly whatever was learned, so that
 /// what was missed still comes.
@@ -10,6 +10,11 @@ pub(super) const UNGUIDED: f64 = 0.1;
 
 /// Most halvings of a cell along one coordinate, and along all together.
 const MAX_DEPTH: [u8; 2] = [10, 16];
+
+/// A leaf, before its edges are known.
+const LEAF: Node = Node::Leaf {
+    edge: [1.0; GUIDE_PAIRS],
+};
 
 /// Samples of mean weight that each half is credited with beyond those seen.
 const PRIOR: f64 = 1.0;
@@ -183,12 +188,11 @@ impl Learning {
         halves[1].low[d] = middle;
         halves[1].guided *= 1.0 - share;
         let [low, high] = halves.map(|h| h.probability());
-        self.nodes[cell.node] = Node {
-            halves: first as u32,
+        self.nodes[cell.node] = Node::Inner {
             dimension: d as u8,
+            halves: first as u32,
             low: low / (low + high),
             middle,
-            cell: 0,
         };
         self.nodes.extend([LEAF; 2]);
         for half in halves {
