@@ -196,14 +196,18 @@ impl Renderer<'_> {
         let (round, number) = (pilot::round(epoch), pilot::sequence(epoch) + 4);
         let pilot =
             |k: u32, item| Sequence::new(self.settings.seed, Purpose::Pilot, number + k, item);
-        let map = emitter.map(|emitter| {
-            let shot = shoot(&self.called_for(), emitter, pilot(0, 0), 0, PILOT_PHOTONS);
-            self.map(&shot, round)
+        // Two sets: what they differ by is the photons' part.
+        let maps = emitter.map(|emitter| {
+            [0, 1].map(|set| {
+                let shot = shoot(&self.called_for(), emitter, pilot(0, set), 0, PILOT_PHOTONS);
+                self.map(&shot, round)
+            })
         });
-        let gather = self.scout(map.as_ref(), round);
+        let maps = maps.as_ref();
+        let gathers = [0, 1].map(|set| self.scout(maps.map(|m| &m[set]), round));
         let places = pilot(1, 0);
         let [width, height] = self.resolution;
-        let found: Vec<(Vec<f64>, CameraTally)> = (0..PILOT_PLACES)
+        let found: Vec<(Vec<f64>, Vec<[f64; 2]>, CameraTally)> = (0..PILOT_PLACES)
             .into_par_iter()
             .map(|i| {
                 let [u, v] = places.at(i).next_2d();
@@ -214,33 +218,53 @@ impl Renderer<'_> {
                     height: 1,
                 };
                 let around = place.grown(self.resolution);
-                let (mut tally, mut near) = (CameraTally::default(), gather.vicinity());
+                let mut tally = CameraTally::default();
+                let mut near = gathers.each_ref().map(Gather::vicinity);
                 let mut radiances = Vec::with_capacity(MOST_NEIGHBOURS + 1);
+                let mut twice = Vec::new();
                 for y in around.y..around.y + around.height {
                     for x in around.x..around.x + around.width {
                         let stream = pilot(2, self.item(x, y)).at(i);
                         let ray = self.ray(x, y, &stream);
-                        let sample = gather.sample(ray, &stream, &mut near, &mut tally);
-                        radiances.push(sample.total().mean());
+                        let mut look = |set: usize, tally: &mut CameraTally| {
+                            let sample = gathers[set].sample(ray, &stream, &mut near[set], tally);
+                            sample.total().mean()
+                        };
+                        let radiance = look(0, &mut tally);
+                        radiances.push(radiance);
+                        if x.abs_diff(place.x) + y.abs_diff(place.y) <= 1 {
+                            twice.push([radiance, look(1, &mut CameraTally::default())]);
+                        }
                     }
                 }
-                (radiances, tally)
+                (radiances, twice, tally)
             })
             .collect();
-        let all: Vec<f64> = found.iter().flat_map(|(r, _)| r).copied().collect();
+        let all: Vec<f64> = found.iter().flat_map(|(r, ..)| r).copied().collect();
         let mean = share::trimmed_mean(all.iter().copied());
+        let floor = 0.01 * mean * mean;
         let variances: Vec<f64> = found
             .iter()
-            .map(|(radiances, _)| super::refine::variance(radiances, 0.01 * mean * mean))
+            .map(|(radiances, ..)| super::refine::variance(radiances, floor))
             .collect();
+        let differences = share::trimmed_mean(found.iter().map(|(_, twice, _)| {
+            let value = twice.iter().flatten().sum::<f64>() / (2 * twice.len()) as f64;
+            // Half the square of a difference has the variance as mean.
+            let squares: f64 = twice.iter().map(|[a, b]| 0.5 * (a - b).powi(2)).sum();
+            squares / twice.len() as f64 / (value * value + floor)
+        }));
         let mut tally = CameraTally::default();
-        for (_, t) in found {
+        for (.., t) in found {
             tally += t;
         }
         let sample_cost = tally.work(all.len() as u64).of_sample();
         let pixels = u64::from(width) * u64::from(height);
-        let overhead = share::photon_cost(photons, pixels) / sample_cost;
-        Refinement::new(mean, &variances, overhead)
+        Refinement::new(
+            mean,
+            &variances,
+            differences * share::remaining(PILOT_PHOTONS, photons.max(1)),
+            share::photon_cost(photons, pixels) / sample_cost,
+        )
     }
 
     /// The camera half of a pass.

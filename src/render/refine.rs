@@ -17,10 +17,18 @@ pub(super) const REACH: u32 = 2;
 /// later ones with the same number are whole nets.
 const LEVELS: [u32; 6] = [1, 2, 4, 8, 16, 32];
 
-/// Error that more camera samples leave, over that of one sample a pixel: the
-/// photons' part. With a half, `glass_sphere` and `cup` got fewer samples than
-/// served them.
-const PHOTONS: f64 = 0.25;
+/// Error that photons leave, over their noise: kernels are drawn in so fast that
+/// blur adds half as much.
+const WITH_BLUR: f64 = 1.5;
+
+/// Least and most of the error of one sample a pixel that counts as the photons'
+/// part, which more samples leave. Samples that follow each other mend less than
+/// as many independent ones would; and bright spots of a few pixels, which a
+/// pilot misses, want samples whatever it found elsewhere. With less than a
+/// tenth, `hall_of_mirrors` and `solids` took up to twice the time for the same
+/// error, with more than a quarter `cup` and `glass_sphere` got fewer samples
+/// than served them.
+const LEFT: [f64; 2] = [0.1, 0.25];
 
 /// Factor on error times work that a step towards more samples has to bring.
 const WORTH: f64 = 0.97;
@@ -40,12 +48,12 @@ pub(super) struct Refinement {
 
 impl Refinement {
     /// For a picture of mean radiance `mean` and the relative variances of
-    /// some of its pixels, where a pass costs `overhead` camera samples a pixel
-    /// beside its samples.
-    pub(super) fn new(mean: f64, variances: &[f64], overhead: f64) -> Self {
+    /// some of its pixels, of which a pass's photons alone leave `photons`,
+    /// where a pass costs `overhead` camera samples a pixel beside its samples.
+    pub(super) fn new(mean: f64, variances: &[f64], photons: f64, overhead: f64) -> Self {
         Self {
             floor: 0.01 * mean * mean,
-            enough: threshold(variances, overhead),
+            enough: threshold(variances, photons, overhead),
         }
     }
 
@@ -94,16 +102,18 @@ fn further(variance: f64, enough: f64) -> u32 {
 
 /// The variance at which one sample is enough: of the powers of two, the one
 /// with the least error times work of a pass.
-fn threshold(variances: &[f64], overhead: f64) -> f64 {
+fn threshold(variances: &[f64], photons: f64, overhead: f64) -> f64 {
     let mean = trimmed_mean(variances.iter().copied());
     if mean.is_nan() || mean <= 0.0 {
         return f64::INFINITY;
     }
+    let [least, most] = LEFT.map(|part| part * mean);
+    let photons = (WITH_BLUR * photons).clamp(least, most);
     let product = |enough: f64| {
         let samples = |v: f64| 1.0 + f64::from(further(v, enough));
         let error = trimmed_mean(variances.iter().map(|&v| v / samples(v)));
         let work = variances.iter().map(|&v| samples(v)).sum::<f64>() / variances.len() as f64;
-        (PHOTONS * mean + error) * (overhead + work)
+        (photons + error) * (overhead + work)
     };
     let mut best = (f64::INFINITY, product(f64::INFINITY));
     for k in (-12..=6).rev() {
@@ -159,13 +169,27 @@ mod tests {
         let uneven: Vec<f64> = (0..1000)
             .map(|i| if i % 20 == 0 { 1.0 } else { 1e-3 })
             .collect();
-        let enough = threshold(&uneven, 1.0);
+        let enough = threshold(&uneven, 0.01, 1.0);
         assert_eq!(further(1e-3, enough), 0);
         assert!(further(1.0, enough) >= 8, "{enough}");
         let even = vec![0.5; 1000];
-        assert_eq!(further(0.5, threshold(&even, 0.0)), 0);
-        assert!(further(0.5, threshold(&even, 20.0)) >= 4);
-        assert_eq!(threshold(&[0.0; 100], 1.0), f64::INFINITY);
-        assert_eq!(threshold(&[], 1.0), f64::INFINITY);
+        assert_eq!(further(0.5, threshold(&even, 0.1, 0.0)), 0);
+        assert!(further(0.5, threshold(&even, 0.1, 20.0)) >= 4);
+        assert_eq!(threshold(&[0.0; 100], 0.0, 1.0), f64::INFINITY);
+        assert_eq!(threshold(&[], 0.0, 1.0), f64::INFINITY);
+    }
+
+    /// What photons leave is not mended by samples: the more it is, the fewer
+    /// follow. Less than a tenth of the error is not believed, nor more than a
+    /// quarter.
+    #[test]
+    fn samples_give_way_to_photons() {
+        let spread: Vec<f64> = (1..=1000).map(|i| f64::from(i) / 1000.0).collect();
+        let enough =
+            [0.0, 0.03, 0.06, 0.09, 1.0, f64::INFINITY].map(|p| threshold(&spread, p, 2.0));
+        assert!(enough.is_sorted(), "{enough:?}");
+        assert_eq!(enough[0], enough[1]);
+        assert!(enough[1] < enough[3], "{enough:?}");
+        assert_eq!(enough[3], enough[5]);
     }
 }

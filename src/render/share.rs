@@ -98,11 +98,7 @@ impl Survey {
 
     /// Variance times cost of a pass with `n` photon paths.
     fn inefficiency(&self, n: u64) -> f64 {
-        // With kernels of the photons' own size as many overlap whatever their
-        // number; what falls is the error that balances noise and blur as
-        // kernels shrink with the rounds, like n^(-2/3).
-        let fewer = libm::cbrt(self.paths as f64 / n as f64);
-        let variance = self.camera + self.photon * fewer * fewer;
+        let variance = self.camera + self.photon * remaining(self.paths, n);
         variance * (self.sample_cost + n as f64 * self.path_cost)
     }
 
@@ -123,6 +119,15 @@ impl Survey {
             .filter(|&n| self.inefficiency(n) <= good)
             .unwrap_or(best)
     }
+}
+
+/// Variance due to `n` photon paths over that due to `pilot` ones, both above
+/// 0. With kernels of the photons' own size as many overlap whatever their
+/// number; what falls is the error that balances noise and blur as kernels
+/// shrink with the rounds, like n^(-2/3).
+pub(super) fn remaining(pilot: u64, n: u64) -> f64 {
+    let fewer = libm::cbrt(pilot as f64 / n as f64);
+    fewer * fewer
 }
 
 /// Cost of a pass's photon paths for every one of its pixels, in rays cast.
