@@ -7,10 +7,12 @@
 //! same measure (solid angle; area times solid angle; perpendicular area), so
 //! that their quotient is a flux in W.
 //!
-//! With a start come its derivatives by the sample from which it was drawn:
-//! the first pair of coordinates is the direction (for parallel light, the
-//! point of the cross-section), the second one the point on the light (for the
-//! sun, the direction within its disc). Lights without extent have one pair.
+//! With a start come its derivatives along the sides of its cell, the part of the
+//! domain for which it stands: the first pair of them is the direction (for
+//! parallel light, the point of the cross-section), the second one the point on
+//! the light (for the sun, the direction within its disc). Lights without extent
+//! have one pair. A cell has the area that the maps give it, but not their shape
+//! (see [`warp`]).
 
 mod region;
 #[cfg(test)]
@@ -48,14 +50,14 @@ pub(super) struct Start {
     normal: DVec3,
     /// Density of the part from which the start was drawn.
     pub(super) own_density: f64,
-    /// Derivatives of origin and direction by the sample. Not finite where the
-    /// density is infinite or the sample lies on a rim.
+    /// Derivatives of origin and direction along the sides of the cell. Not
+    /// finite where the density is infinite or the sample lies on a rim.
     pub(super) differential: Differential,
 }
 
 impl Start {
     /// The same start as one that was drawn by a guide: denser, its neighbours
-    /// nearer, and there only as far as the light's emission goes.
+    /// nearer.
     pub(super) fn stretch(&mut self, guided: &Guided) {
         self.own_density *= guided.density;
         for i in 0..GUIDE_PAIRS {

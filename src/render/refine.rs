@@ -22,12 +22,11 @@ const LEVELS: [u32; 6] = [1, 2, 4, 8, 16, 32];
 const WITH_BLUR: f64 = 1.5;
 
 /// Least and most of the error of one sample a pixel that counts as the photons'
-/// part, which more samples leave. Samples that follow each other mend less than
-/// as many independent ones would; and bright spots of a few pixels, which a
-/// pilot misses, want samples whatever it found elsewhere. With less than a
-/// tenth, `hall_of_mirrors` and `solids` took up to twice the time for the same
-/// error, with more than a quarter `cup` and `glass_sphere` got fewer samples
-/// than served them.
+/// part, which more samples leave. More samples were seen to mend less than their
+/// number says: with less than a tenth `hall_of_mirrors` and `solids` took up to
+/// twice the time for the same error. And bright spots of a few pixels, which a
+/// pilot misses, want samples whatever it found elsewhere: with a half `cup` and
+/// `glass_sphere` got fewer than served them.
 const LEFT: [f64; 2] = [0.1, 0.25];
 
 /// Factor on error times work that a step towards more samples has to bring.

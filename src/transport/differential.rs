@@ -13,11 +13,12 @@ use crate::{geometry::Turning, numeric::VectorPair};
 /// light, the direction of a diffuse bounce.
 pub const MAX_PAIRS: usize = 3;
 
-/// Derivatives of a ray by two coordinates of the unit cube from which it was
-/// drawn.
+/// Derivatives of a ray along the two sides of a cell in the unit cube from which
+/// it was drawn; any two steps whose parallelogram has the area of the coordinates'
+/// serve.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Pair {
-    /// Change of the ray's origin, metres for the whole range of a coordinate.
+    /// Change of the ray's origin, metres for a step as long as the whole range.
     pub dp: VectorPair,
     /// Change of its unit direction, perpendicular to it.
     pub dd: VectorPair,
