@@ -8,7 +8,6 @@ use crate::{
     built,
     film::{Layer, PixelSample},
     geometry::Ray,
-    photon::{Emitter, shoot},
     sampling::{Purpose, Sequence, Stream},
     spectrum::Rgb,
 };
@@ -18,15 +17,18 @@ use super::{
     camera_walk::Gather,
     coordinates,
     glints::{self, Glinting, Glints, Places},
-    learn::PILOT_PHOTONS,
+    learn::Weighed,
     pilot,
     refine::{REACH, Refinement},
     share,
     tally::CameraTally,
 };
 
-/// Places at which the pilot looks at a pixel's neighbours.
-const PILOT_PLACES: u64 = 96;
+/// Places at which the pilot looks at a pixel's neighbours: one for so many pixels,
+/// but no fewer and no more than these. Thin bright lines hold few pixels and much
+/// of the error: with a hundred places chance decides whether they are seen.
+const PIXELS_PER_PLACE: u64 = 128;
+const PILOT_PLACES: [u64; 2] = [96, 1024];
 
 /// Pixels along a tile, whose pixels are sampled one after the other.
 const TILE: u32 = 8;
@@ -185,29 +187,24 @@ impl Renderer<'_> {
         found
     }
 
-    /// Where further samples pay, by a pilot over the whole picture, where an
-    /// epoch launches so many photon paths a pass; `None` before the first.
+    /// Where further samples pay, by a pilot over the whole picture that looks at
+    /// pixels with their neighbours, where an epoch launches so many of the photon
+    /// paths that were weighed a pass; without photons, or before the first epoch,
+    /// `None`.
     pub(super) fn find_refinement(
         &self,
-        emitter: Option<&Emitter>,
-        photons: u64,
+        weighed: Option<(&Weighed, u64)>,
         epoch: Option<usize>,
     ) -> Refinement {
         let (round, number) = (pilot::round(epoch), pilot::sequence(epoch) + 4);
         let pilot =
             |k: u32, item| Sequence::new(self.settings.seed, Purpose::Pilot, number + k, item);
-        // Two sets: what they differ by is the photons' part.
-        let maps = emitter.map(|emitter| {
-            [0, 1].map(|set| {
-                let shot = shoot(&self.called_for(), emitter, pilot(0, set), 0, PILOT_PHOTONS);
-                self.map(&shot, round)
-            })
-        });
-        let maps = maps.as_ref();
-        let gathers = [0, 1].map(|set| self.scout(maps.map(|m| &m[set]), round));
-        let places = pilot(1, 0);
+        let gather = self.scout(weighed.map(|(w, _)| &w.map), round);
         let [width, height] = self.resolution;
-        let found: Vec<(Vec<f64>, Vec<[f64; 2]>, CameraTally)> = (0..PILOT_PLACES)
+        let pixels = u64::from(width) * u64::from(height);
+        let count = (pixels / PIXELS_PER_PLACE).clamp(PILOT_PLACES[0], PILOT_PLACES[1]);
+        let places = pilot(0, 0);
+        let found: Vec<(Vec<f64>, CameraTally)> = (0..count)
             .into_par_iter()
             .map(|i| {
                 let [u, v] = places.at(i).next_2d();
@@ -219,52 +216,35 @@ impl Renderer<'_> {
                 };
                 let around = place.grown(self.resolution);
                 let mut tally = CameraTally::default();
-                let mut near = gathers.each_ref().map(Gather::vicinity);
+                let mut near = gather.vicinity();
                 let mut radiances = Vec::with_capacity(MOST_NEIGHBOURS + 1);
-                let mut twice = Vec::new();
                 for y in around.y..around.y + around.height {
                     for x in around.x..around.x + around.width {
-                        let stream = pilot(2, self.item(x, y)).at(i);
+                        let stream = pilot(1, self.item(x, y)).at(i);
                         let ray = self.ray(x, y, &stream);
-                        let mut look = |set: usize, tally: &mut CameraTally| {
-                            let sample = gathers[set].sample(ray, &stream, &mut near[set], tally);
-                            sample.total().mean()
-                        };
-                        let radiance = look(0, &mut tally);
-                        radiances.push(radiance);
-                        if x.abs_diff(place.x) + y.abs_diff(place.y) <= 1 {
-                            twice.push([radiance, look(1, &mut CameraTally::default())]);
-                        }
+                        let sample = gather.sample(ray, &stream, &mut near, &mut tally);
+                        radiances.push(sample.total().mean());
                     }
                 }
-                (radiances, twice, tally)
+                (radiances, tally)
             })
             .collect();
-        let all: Vec<f64> = found.iter().flat_map(|(r, ..)| r).copied().collect();
+        let all: Vec<f64> = found.iter().flat_map(|(r, _)| r).copied().collect();
         let mean = share::trimmed_mean(all.iter().copied());
-        let floor = 0.01 * mean * mean;
         let variances: Vec<f64> = found
             .iter()
-            .map(|(radiances, ..)| super::refine::variance(radiances, floor))
+            .map(|(radiances, _)| super::refine::variance(radiances, super::refine::floor(mean)))
             .collect();
-        let differences = share::trimmed_mean(found.iter().map(|(_, twice, _)| {
-            let value = twice.iter().flatten().sum::<f64>() / (2 * twice.len()) as f64;
-            // Half the square of a difference has the variance as mean.
-            let squares: f64 = twice.iter().map(|[a, b]| 0.5 * (a - b).powi(2)).sum();
-            squares / twice.len() as f64 / (value * value + floor)
-        }));
         let mut tally = CameraTally::default();
-        for (.., t) in found {
+        for (_, t) in found {
             tally += t;
         }
         let sample_cost = tally.work(all.len() as u64).of_sample();
-        let pixels = u64::from(width) * u64::from(height);
-        Refinement::new(
-            mean,
-            &variances,
-            differences * share::remaining(PILOT_PHOTONS, photons.max(1)),
-            share::photon_cost(photons, pixels) / sample_cost,
-        )
+        let (noise, cost) = weighed.map_or((0.0, 0.0), |(w, paths)| {
+            let cost = share::photon_cost(paths, pixels);
+            (w.survey.photon_with(paths), cost / sample_cost)
+        });
+        Refinement::new(mean, &variances, noise, cost)
     }
 
     /// The camera half of a pass.

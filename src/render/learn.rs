@@ -7,7 +7,7 @@ use rayon::prelude::*;
 
 use crate::{
     film::Layer,
-    photon::{Emitter, shoot},
+    photon::{Emitter, PhotonMap, shoot},
     sampling::{Purpose, Sequence},
     scene::Guidance,
 };
@@ -32,6 +32,13 @@ const PHOTONS_PER_PIXEL: u64 = 8;
 pub(super) const PILOT_PHOTONS: u64 = 1 << 12;
 const PILOT_PIXELS: u64 = 1 << 10;
 
+/// What is known of photons and camera samples before an epoch's passes.
+pub(super) struct Weighed {
+    pub(super) survey: Survey,
+    /// One of the pilot's sets of photons.
+    pub(super) map: PhotonMap,
+}
+
 impl Renderer<'_> {
     /// How the passes of a round spend their work; `None` without photons.
     /// Pilots run when a round that needs them is asked for.
@@ -47,14 +54,15 @@ impl Renderer<'_> {
 
     /// The epochs of a render that starts with an emitter.
     pub(super) fn untaught(&self, emitter: Emitter) -> Epochs {
-        let photons = self.photon_paths(&emitter, None, None);
+        let weighed = self.weigh(&emitter, None);
+        let photons = self.photon_paths(&weighed.survey, None);
         let is_taught =
             self.settings.guidance == Guidance::Learned && self.pilot(photons).size(0).is_some();
         // The first epoch finds its own.
         let refinement = if is_taught {
             Refinement::none()
         } else {
-            self.find_refinement(Some(&emitter), photons, None)
+            self.find_refinement(Some((&weighed, photons)), None)
         };
         Epochs::new(Stage::new(emitter, photons, refinement))
     }
@@ -68,12 +76,13 @@ impl Renderer<'_> {
         // The first kernels and photons have just been weighed.
         let is_new = taught.is_some() || epoch > 0;
         let emitter = taught.unwrap_or_else(|| before.emitter.clone());
+        let weighed = self.weigh(&emitter, Some(epoch));
         let photons = if is_new {
-            self.photon_paths(&emitter, Some(epoch), Some(before.photons))
+            self.photon_paths(&weighed.survey, Some(before.photons))
         } else {
             before.photons
         };
-        let refinement = self.find_refinement(Some(&emitter), photons, Some(epoch));
+        let refinement = self.find_refinement(Some((&weighed, photons)), Some(epoch));
         Some(before.next(epoch, emitter, photons, refinement))
     }
 
@@ -103,22 +112,20 @@ impl Renderer<'_> {
 
     /// Photon paths of a pass: what the user says, or the power of two with
     /// the least error for its work by a pilot; never more than the memory
-    /// budget holds. The pilot looks at the whole picture, so that a crop is
-    /// a window of it. `before` is the number that there were before the epoch.
-    fn photon_paths(&self, emitter: &Emitter, epoch: Option<usize>, before: Option<u64>) -> u64 {
+    /// budget holds. `before` is the number that there were before the epoch.
+    fn photon_paths(&self, survey: &Survey, before: Option<u64>) -> u64 {
         let most = self.most_photons();
         if self.settings.photons.is_some() {
             return most;
         }
         // Of powers of two: a budget may be any number.
         let last = (most.next_power_of_two()).max(FEWEST_PHOTONS);
-        let survey = self.survey(emitter, epoch);
         survey.best_paths(FEWEST_PHOTONS, last, before).min(most)
     }
 
-    /// The pilot: two camera samples in each of some pixels, with two
-    /// independent sets of photons.
-    fn survey(&self, emitter: &Emitter, epoch: Option<usize>) -> Survey {
+    /// The pilot: two camera samples in each of some pixels of the whole picture,
+    /// so that a crop is a window of it, with two independent sets of photons.
+    fn weigh(&self, emitter: &Emitter, epoch: Option<usize>) -> Weighed {
         let (round, number) = (pilot::round(epoch), pilot::sequence(epoch));
         let pilot =
             |k: u32, item| Sequence::new(self.settings.seed, Purpose::Pilot, number + k, item);
@@ -156,6 +163,10 @@ impl Renderer<'_> {
         }
         let work = tally.work(3 * PILOT_PIXELS);
         let all = u64::from(width) * u64::from(height);
-        Survey::new(&probes, PILOT_PHOTONS, work, all)
+        let [map, _] = maps;
+        Weighed {
+            survey: Survey::new(&probes, PILOT_PHOTONS, work, all),
+            map,
+        }
     }
 }

@@ -128,7 +128,7 @@ impl<'a> Renderer<'a> {
         renderer.bounces = renderer.find_bounces(emitter.as_ref());
         match emitter {
             Some(emitter) => renderer.epochs = Some(renderer.untaught(emitter)),
-            None => renderer.refinement = renderer.find_refinement(None, 0, None),
+            None => renderer.refinement = renderer.find_refinement(None, None),
         }
         renderer
     }

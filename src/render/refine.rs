@@ -8,7 +8,7 @@
 //! random numbers are independent, nothing is learned that a pass would have to
 //! remember.
 
-use super::share::trimmed_mean;
+use super::share::trimmed_by;
 
 /// Pixels to each side that count as neighbours.
 pub(super) const REACH: u32 = 2;
@@ -32,6 +32,10 @@ const LEFT: [f64; 2] = [0.1, 0.25];
 /// Factor on error times work that a step towards more samples has to bring.
 const WORTH: f64 = 0.97;
 
+/// Part of the places, those with the largest variance, that is left out: little,
+/// since a variance among 25 pixels relative to their mean is at most 25.
+const OUTLIERS: f64 = 0.002;
+
 /// With fewer neighbours nothing is known of their spread.
 const FEWEST: usize = 5;
 
@@ -51,7 +55,7 @@ impl Refinement {
     /// where a pass costs `overhead` camera samples a pixel beside its samples.
     pub(super) fn new(mean: f64, variances: &[f64], photons: f64, overhead: f64) -> Self {
         Self {
-            floor: 0.01 * mean * mean,
+            floor: floor(mean),
             enough: threshold(variances, photons, overhead),
         }
     }
@@ -73,6 +77,11 @@ impl Refinement {
     pub(super) fn variance(&self, neighbours: &[f64]) -> f64 {
         variance(neighbours, self.floor)
     }
+}
+
+/// Squared radiance relative to which dark pixels count in a picture of this mean.
+pub(super) fn floor(mean: f64) -> f64 {
+    0.01 * mean * mean
 }
 
 /// See [`Refinement::variance`]; 0 for too few neighbours or where all are
@@ -102,7 +111,7 @@ fn further(variance: f64, enough: f64) -> u32 {
 /// The variance at which one sample is enough: of the powers of two, the one
 /// with the least error times work of a pass.
 fn threshold(variances: &[f64], photons: f64, overhead: f64) -> f64 {
-    let mean = trimmed_mean(variances.iter().copied());
+    let mean = trimmed_by(OUTLIERS, variances.iter().copied());
     if mean.is_nan() || mean <= 0.0 {
         return f64::INFINITY;
     }
@@ -110,7 +119,7 @@ fn threshold(variances: &[f64], photons: f64, overhead: f64) -> f64 {
     let photons = (WITH_BLUR * photons).clamp(least, most);
     let product = |enough: f64| {
         let samples = |v: f64| 1.0 + f64::from(further(v, enough));
-        let error = trimmed_mean(variances.iter().map(|&v| v / samples(v)));
+        let error = trimmed_by(OUTLIERS, variances.iter().map(|&v| v / samples(v)));
         let work = variances.iter().map(|&v| samples(v)).sum::<f64>() / variances.len() as f64;
         (photons + error) * (overhead + work)
     };

@@ -96,9 +96,18 @@ impl Survey {
         }
     }
 
+    /// Relative variance that is due to the photons of a pass with `n` paths. With
+    /// kernels of the photons' own size as many overlap whatever their number; what
+    /// falls is the error that balances noise and blur as kernels shrink with the
+    /// rounds, like n^(-2/3).
+    pub(super) fn photon_with(&self, n: u64) -> f64 {
+        let fewer = libm::cbrt(self.paths as f64 / n.max(1) as f64);
+        self.photon * fewer * fewer
+    }
+
     /// Variance times cost of a pass with `n` photon paths.
     fn inefficiency(&self, n: u64) -> f64 {
-        let variance = self.camera + self.photon * remaining(self.paths, n);
+        let variance = self.camera + self.photon_with(n);
         variance * (self.sample_cost + n as f64 * self.path_cost)
     }
 
@@ -121,15 +130,6 @@ impl Survey {
     }
 }
 
-/// Variance due to `n` photon paths over that due to `pilot` ones, both above
-/// 0. With kernels of the photons' own size as many overlap whatever their
-/// number; what falls is the error that balances noise and blur as kernels
-/// shrink with the rounds, like n^(-2/3).
-pub(super) fn remaining(pilot: u64, n: u64) -> f64 {
-    let fewer = libm::cbrt(pilot as f64 / n as f64);
-    fewer * fewer
-}
-
 /// Cost of a pass's photon paths for every one of its pixels, in rays cast.
 pub(super) fn photon_cost(paths: u64, pixels: u64) -> f64 {
     PATH * paths as f64 / pixels.max(1) as f64
@@ -143,9 +143,14 @@ fn mean(values: impl Iterator<Item = f64>) -> f64 {
 /// Mean of what is left without the largest values; what is not finite counts
 /// as largest. 0 where nothing is left.
 pub(super) fn trimmed_mean(values: impl Iterator<Item = f64>) -> f64 {
+    trimmed_by(TRIMMED, values)
+}
+
+/// The same, without the given part of them.
+pub(super) fn trimmed_by(part: f64, values: impl Iterator<Item = f64>) -> f64 {
     let mut sorted: Vec<f64> = values.filter(|v| v.is_finite()).collect();
     sorted.sort_unstable_by(f64::total_cmp);
-    let dropped = (sorted.len() as f64 * TRIMMED).ceil() as usize;
+    let dropped = (sorted.len() as f64 * part).ceil() as usize;
     mean(
         sorted[..sorted.len().saturating_sub(dropped)]
             .iter()

@@ -43,9 +43,10 @@ pub(super) struct Reaching {
     lane: usize,
     /// Its height at the query in 1/m2.
     pub(super) height: f32,
-    /// Squared distance of the query in units of the semi-axes, below 1, and
-    /// the kernel's height where that is 0.
-    q: f32,
+    /// Squared distances of the query, and of its image in the mirror that a fold
+    /// is, in units of the semi-axes, the first below 1; and the kernel's height
+    /// where that is 0.
+    q: [f32; 2],
     peak: f32,
     /// Semi-axes, metres.
     pub(super) major: f32,
@@ -57,7 +58,8 @@ impl Reaching {
     #[inline]
     pub(super) fn narrower(&self) -> [f32; 2] {
         // A kernel of the m-th part of the area is m (1 - m q) high.
-        NARROWER.map(|m| (m - self.q * (m * m)).max(0.0) * self.peak)
+        let height = |m: f32, q: f32| (m - q * (m * m)).max(0.0);
+        NARROWER.map(|m| (height(m, self.q[0]) + height(m, self.q[1])) * self.peak)
     }
 }
 
@@ -92,22 +94,12 @@ impl Block {
     pub(super) fn kernels(&self, query: Vec3, search: &Search, mut found: impl FnMut(&Reaching)) {
         let dot = |a: &[Vec4; 3], b: &[Vec4; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
         let query = query.to_array().map(Vec4::splat);
-        let mut offset = [0, 1, 2].map(|k| self.position[k] - query[k]);
+        let offset = [0, 1, 2].map(|k| self.position[k] - query[k]);
         let (least, most) = (Vec4::splat(search.least), Vec4::splat(search.most));
         let sized = self.major.cmpgt(Vec4::ZERO);
         let blind = Vec4::splat(search.blind);
         let bounded = |axis: Vec4| Vec4::select(sized, axis.max(least).min(most), blind);
         let (major, minor) = (bounded(self.major), bounded(self.minor));
-        // A kernel that was widened beyond a fold moves back from it.
-        let shift = minor - self.fold;
-        if shift.cmpgt(Vec4::ZERO).any() {
-            let shift = shift.max(Vec4::ZERO);
-            let (n, a) = (&self.normal, &self.axis);
-            for (k, offset) in offset.iter_mut().enumerate() {
-                let (i, j) = ((k + 1) % 3, (k + 2) % 3);
-                *offset += shift * (n[i] * a[j] - n[j] * a[i]);
-            }
-        }
         let squared = dot(&offset, &offset);
         let (major2, minor2) = (major * major, minor * minor);
         // Photons that come after each other are near each other: most blocks
@@ -128,16 +120,33 @@ impl Block {
         if reaching == 0 {
             return;
         }
+        let mut image = Vec4::ONE;
+        // A fold throws the part of a kernel back that was widened beyond it.
+        let folded = minor.cmpgt(self.fold);
+        if folded.any() {
+            let (n, a) = (&self.normal, &self.axis);
+            let away = [0, 1, 2].map(|k| {
+                let (i, j) = ((k + 1) % 3, (k + 2) % 3);
+                n[i] * a[j] - n[j] * a[i]
+            });
+            // How far from the fold the query lies.
+            let depth = self.fold - dot(&offset, &away);
+            let from_image = (across2 + self.fold * depth * 4.0).max(Vec4::ZERO);
+            let mirrored = along2 / major2 + from_image / minor2;
+            image = Vec4::select(folded, mirrored, Vec4::ONE);
+            reaching &= !(folded & depth.cmplt(Vec4::ZERO)).bitmask();
+        }
         let peak = FRAC_2_PI / (major * minor);
-        let height = ((Vec4::ONE - q) * peak).to_array();
-        let (q, peak) = (q.to_array(), peak.to_array());
+        let height = (Vec4::ONE - q + (Vec4::ONE - image).max(Vec4::ZERO)) * peak;
+        let height = height.to_array();
+        let (q, image, peak) = (q.to_array(), image.to_array(), peak.to_array());
         let (major, minor) = (major.to_array(), minor.to_array());
         while reaching != 0 {
             let lane = reaching.trailing_zeros() as usize;
             found(&Reaching {
                 lane,
                 height: height[lane],
-                q: q[lane],
+                q: [q[lane], image[lane]],
                 peak: peak[lane],
                 major: major[lane],
                 minor: minor[lane],

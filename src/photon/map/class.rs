@@ -245,10 +245,9 @@ impl Class {
         let squared = if self.reach == 0.0 {
             search.blind * search.blind
         } else {
-            // Widened kernels are rounder, not longer; those at a fold have
-            // moved away from it.
-            (self.reach * self.reach + 4.0 * search.least * search.least)
-                .min((self.spread * search.most + search.least).powi(2))
+            // Widened kernels are rounder, not longer.
+            (self.reach * self.reach + search.least * search.least)
+                .min((self.spread * search.most).powi(2))
         };
         let squared = if margin > 0.0 {
             // With room for rounding.
@@ -303,9 +302,7 @@ impl Stored {
         let along = offset.dot(Vec3::from(self.axis));
         let from_axis = (offset.length_squared() - along * along).max(0.0).sqrt();
         let (a2, b2) = (major * major, minor * minor);
-        let shift = (minor - self.fold).max(0.0);
-        along.abs() <= major + margin
-            && from_axis <= (b2 + HEIGHT_SQ * (a2 + b2)).sqrt() + shift + margin
+        along.abs() <= major + margin && from_axis <= (b2 + HEIGHT_SQ * (a2 + b2)).sqrt() + margin
     }
 }
 

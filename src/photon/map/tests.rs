@@ -128,20 +128,30 @@ fn agrees_with_brute_force() {
                 q.kernels.most
             };
             let o = p - ph.position;
-            let (along, across, a, b) = match ph.footprint {
+            let (along, across, a, b, fold) = match ph.footprint {
                 Some(f) => {
                     let axis = f.major.normalize();
                     let size = |x: f64| x.clamp(q.kernels.least, most);
                     let a = size(0.5 * f.major.length());
                     let b = size((0.5 * f.minor).min(f.fold));
-                    let away = (b - f.fold).max(0.0);
-                    (o.dot(axis), o.dot(DVec3::Z.cross(axis)) - away, a, b)
+                    (o.dot(axis), o.dot(DVec3::Z.cross(axis)), a, b, f.fold)
                 }
-                None => (o.x, o.y, q.kernels.blind, q.kernels.blind),
+                None => {
+                    let r = q.kernels.blind;
+                    (o.x, o.y, r, r, f64::INFINITY)
+                }
             };
-            let t = (along / a).powi(2) + (across / b).powi(2);
-            if t < 1.0 {
-                expected[usize::from(ph.bounced)] += FRAC_2_PI * (1.0 - t) / (a * b) / 1000.0;
+            // Beyond a fold is nothing, and before it what would be beyond.
+            let height = |across: f64| 1.0 - (along / a).powi(2) - (across / b).powi(2);
+            let t = height(across);
+            if t > 0.0 && (b <= fold || across >= -fold) {
+                let image = if b > fold {
+                    height(across + 2.0 * fold)
+                } else {
+                    0.0
+                };
+                let sum = t + image.max(0.0);
+                expected[usize::from(ph.bounced)] += FRAC_2_PI * sum / (a * b) / 1000.0;
                 reached += 1;
             }
         }
