@@ -18,6 +18,7 @@ mod tests;
 mod vicinity;
 
 use glam::{DMat3, DVec3};
+use rayon::prelude::*;
 
 use crate::{geometry::points::off_axis, spectrum::Rgb};
 
@@ -137,13 +138,13 @@ impl PhotonMap {
     ) -> Self {
         let rotation = off_axis();
         let mut kept: Vec<&Photon> = photons
-            .iter()
+            .par_iter()
             .filter(|p| p.position.is_finite() && p.flux.is_finite())
             .collect();
         let center = order::median(&kept);
         order::sort_along_curve(&mut kept, center);
         let (bounced, caustics): (Vec<&Photon>, Vec<&Photon>) =
-            kept.iter().partition(|p| p.bounced);
+            kept.par_iter().partition(|p| p.bounced);
         let (caustics, bounced) = rayon::join(
             || Class::sort(&caustics, rotation, shrink),
             || of_bounced(&bounced, rotation, shrink),

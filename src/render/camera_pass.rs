@@ -33,6 +33,10 @@ const PILOT_PLACES: [u64; 2] = [96, 1024];
 /// Pixels along a tile, whose pixels are sampled one after the other.
 const TILE: u32 = 8;
 
+/// Pixels along a stretch of tiles that is worked on at once: a whole number of
+/// tiles, so few that all threads end at nearly the same time.
+const STRETCH: u32 = 16;
+
 /// A rectangle of pixels.
 #[derive(Clone, Copy)]
 struct Window {
@@ -58,32 +62,36 @@ impl Window {
         (y - self.y) as usize * self.width as usize + (x - self.x) as usize
     }
 
-    /// What `pixel` makes of every pixel, given by rows. Bands of tiles are
-    /// worked on in parallel; `of_band` makes what the pixels of one share.
+    /// What `pixel` makes of every pixel, given by rows. Stretches of tiles are
+    /// worked on in parallel; `of_stretch` makes what the pixels of one share.
     fn map<T: Clone + Default + Send, B>(
         self,
-        of_band: impl Fn() -> B + Sync,
+        of_stretch: impl Fn() -> B + Sync,
         pixel: impl Fn(u32, u32, &mut B, &mut CameraTally) -> T + Sync,
     ) -> (Vec<T>, CameraTally) {
         let row = self.width as usize;
         // The first to touch new memory waits for it: all threads do.
         let pixels = row * self.height as usize;
         let mut all: Vec<T> = rayon::iter::repeat_n(T::default(), pixels).collect();
-        let tally = all
-            .par_chunks_mut((row * TILE as usize).max(1))
-            .enumerate()
-            // Bands differ in work: none waits behind another.
-            .with_max_len(1)
-            .map(|(band, pixels)| {
-                let (mut tally, mut shared) = (CameraTally::default(), of_band());
+        let bands = all.chunks_mut((row * TILE as usize).max(1)).enumerate();
+        let stretches: Vec<_> = bands
+            .flat_map(|(band, pixels)| {
                 let top = band as u32 * TILE;
-                let height = (pixels.len() / row) as u32;
-                for left in (0..self.width).step_by(TILE as usize) {
-                    let width = TILE.min(self.width - left);
-                    for [x, y] in from_the_middle(width, height) {
+                stretches(pixels, row).map(move |(left, rows)| (left, top, rows))
+            })
+            .collect();
+        let tally = stretches
+            .into_par_iter()
+            // They differ in work: none waits behind another.
+            .with_max_len(1)
+            .map(|(left, top, mut rows)| {
+                let (mut tally, mut shared) = (CameraTally::default(), of_stretch());
+                let (end, height) = (rows[0].len() as u32, rows.len() as u32);
+                for first in (0..end).step_by(TILE as usize) {
+                    for [x, y] in from_the_middle(TILE.min(end - first), height) {
+                        let x = first + x;
                         let [px, py] = [self.x + left + x, self.y + top + y];
-                        pixels[y as usize * row + (left + x) as usize] =
-                            pixel(px, py, &mut shared, &mut tally);
+                        rows[y as usize][x as usize] = pixel(px, py, &mut shared, &mut tally);
                     }
                 }
                 tally
@@ -112,6 +120,19 @@ impl Window {
         }
         (found, count)
     }
+}
+
+/// The stretches of a band of tiles, each with its first column and the part of
+/// every row that belongs to it.
+fn stretches<T>(band: &mut [T], row: usize) -> impl Iterator<Item = (u32, Vec<&mut [T]>)> {
+    let mut rows: Vec<_> = band
+        .chunks_mut(row.max(1))
+        .map(|row| row.chunks_mut(STRETCH as usize))
+        .collect();
+    (0..row as u32).step_by(STRETCH as usize).map(move |left| {
+        let parts = rows.iter_mut().filter_map(Iterator::next).collect();
+        (left, parts)
+    })
 }
 
 /// The pixels of a tile, the one in the middle first: what is searched for it

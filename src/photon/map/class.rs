@@ -117,11 +117,14 @@ impl Class {
         };
         // By the exponent of the reach over the largest, so that the work is the
         // same at any scale; without a footprint below all others.
-        let largest = photons.iter().filter_map(|p| reach_of(p));
-        let largest = largest.fold(f64::MIN_POSITIVE, f64::max);
+        let reaches: Vec<Option<f64>> = photons.par_iter().map(|p| reach_of(p)).collect();
+        let largest = reaches
+            .iter()
+            .flatten()
+            .fold(f64::MIN_POSITIVE, |a, &b| a.max(b));
         let mut by_size: Vec<(i32, Vec<&Photon>)> = Vec::new();
-        for photon in photons {
-            let key = reach_of(photon).map_or(i32::MIN, |reach| exponent(reach / largest));
+        for (photon, reach) in photons.iter().zip(reaches) {
+            let key = reach.map_or(i32::MIN, |reach| exponent(reach / largest));
             match by_size.binary_search_by_key(&key, |c| c.0) {
                 Ok(i) => by_size[i].1.push(photon),
                 Err(i) => by_size.insert(i, (key, vec![photon])),
@@ -162,43 +165,53 @@ impl Class {
 
     fn new(photons: &[&Photon], rotation: DMat3, shrink: f64, most_spans: u32) -> Option<Self> {
         let center = rotation * order::median(photons);
-        let mut stored = Vec::with_capacity(photons.len());
-        let mut spans = Vec::with_capacity(photons.len());
-        let mut farthest = 0.0f64;
-        for photon in photons {
-            let position = rotation * photon.position - center;
-            // The same numbers as decided the class: rotated axes would be
-            // rounded differently.
-            let none = (DVec3::ZERO, 0.0, 0.0, f64::INFINITY);
-            let (axis, length, minor, fold) = photon.footprint.map_or(none, |f| {
-                let axis = f.major.try_normalize().unwrap_or(DVec3::X);
-                let (major, minor) = f.kernel(shrink);
-                (rotation * axis, major, minor, f.fold)
-            });
-            farthest = farthest.max(reach(length, minor, most_spans));
-            let spans_of_it = span_count(length, minor, most_spans);
-            for i in 0..spans_of_it {
-                let along = length * (f64::from(2 * i + 1) / f64::from(spans_of_it) - 1.0);
-                spans.push(Span {
+        // The same numbers as decided the class: rotated axes would be rounded
+        // differently.
+        let kernel = |photon: &Photon| photon.footprint.map(|f| f.kernel(shrink));
+        let stored: Vec<Stored> = photons
+            .par_iter()
+            .map(|photon| {
+                let axis = photon.footprint.map_or(DVec3::ZERO, |f| unit(f.major));
+                let (major, minor) = kernel(photon).unwrap_or_default();
+                Stored {
+                    position: (rotation * photon.position - center).as_vec3().to_array(),
+                    flux: photon.flux.0.map(|c| c as f32),
+                    axis: (rotation * axis).as_vec3().to_array(),
+                    major: major as f32,
+                    minor: minor as f32,
+                    fold: photon.footprint.map_or(f64::INFINITY, |f| f.fold) as f32,
+                    normal: encode((rotation * photon.normal).as_vec3()),
+                }
+            })
+            .collect();
+        let spans_of = |(number, photon): (usize, &&Photon)| {
+            let (major, minor) = kernel(photon).unwrap_or_default();
+            let axis = photon.footprint.map_or(DVec3::ZERO, |f| unit(f.major));
+            let (position, axis) = (rotation * photon.position - center, rotation * axis);
+            let count = span_count(major, minor, most_spans);
+            (0..count).map(move |i| {
+                let along = major * (f64::from(2 * i + 1) / f64::from(count) - 1.0);
+                Span {
                     position: (position + axis * along).as_vec3().to_array(),
-                    item: (stored.len() as u32) << 4 | i,
-                });
-            }
-            stored.push(Stored {
-                position: position.as_vec3().to_array(),
-                flux: photon.flux.0.map(|c| c as f32),
-                axis: axis.as_vec3().to_array(),
-                major: length as f32,
-                minor: minor as f32,
-                fold: fold as f32,
-                normal: encode((rotation * photon.normal).as_vec3()),
-            });
-        }
+                    item: (number as u32) << 4 | i,
+                }
+            })
+        };
+        let spans: Vec<Span> = photons
+            .par_iter()
+            .enumerate()
+            .flat_map_iter(spans_of)
+            .collect();
+        let farthest = photons
+            .par_iter()
+            .filter_map(|photon| kernel(photon))
+            .map(|(major, minor)| reach(major, minor, most_spans))
+            .reduce(|| 0.0, f64::max);
         let corner = |pick: fn(Vec3, Vec3) -> Vec3| {
             spans
-                .iter()
+                .par_iter()
                 .map(|s| Vec3::from(s.position))
-                .reduce(pick)
+                .reduce_with(pick)
                 .unwrap_or(Vec3::ZERO)
         };
         let (low, high) = (corner(Vec3::min), corner(Vec3::max));
@@ -304,6 +317,11 @@ impl Stored {
         let (a2, b2) = (major * major, minor * minor);
         along.abs() <= major + margin && from_axis <= (b2 + HEIGHT_SQ * (a2 + b2)).sqrt() + margin
     }
+}
+
+/// A vector's direction; any where it has none.
+fn unit(v: DVec3) -> DVec3 {
+    v.try_normalize().unwrap_or(DVec3::X)
 }
 
 /// The number of spans of an ellipse: odd.

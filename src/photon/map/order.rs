@@ -26,17 +26,24 @@ pub(super) fn median(photons: &[&Photon]) -> DVec3 {
     DVec3::new(along(0), along(1), along(2))
 }
 
+/// Photons whose distances are added up in sequence.
+const PART: usize = 4096;
+
 /// Sorts photons along a Morton curve; their old order decides between those
 /// in one cell.
 pub(super) fn sort_along_curve(photons: &mut [&Photon], center: DVec3) {
     // The curve's cube spans eight times the mean distance from the median
     // either way, cut into 1024 cells a side; what lies outside counts to the
-    // outermost cells. A sum in sequence: it must not depend on threads.
+    // outermost cells. A sum of sums of fixed parts: it must not depend on threads.
     let taxicab = |p: &&Photon| {
         let o = (p.position - center).abs();
         o.x + o.y + o.z
     };
-    let mean = photons.iter().map(taxicab).sum::<f64>() / photons.len().max(1) as f64;
+    let parts: Vec<f64> = photons
+        .par_chunks(PART)
+        .map(|part| part.iter().map(taxicab).sum())
+        .collect();
+    let mean = parts.iter().sum::<f64>() / photons.len().max(1) as f64;
     let scale = 64.0 / mean.max(f64::MIN_POSITIVE);
     photons.par_sort_by_cached_key(|p| {
         morton(((p.position - center) * scale + DVec3::splat(512.0)).as_vec3())
