@@ -209,9 +209,8 @@ impl Renderer<'_> {
     }
 
     /// Where further samples pay, by a pilot over the whole picture that looks at
-    /// pixels with their neighbours, where an epoch launches so many of the photon
-    /// paths that were weighed a pass; without photons, or before the first epoch,
-    /// `None`.
+    /// pixels with their neighbours. `weighed` is what an epoch knows of its photons,
+    /// with the number of paths that it launches a pass; `None` without photons.
     pub(super) fn find_refinement(
         &self,
         weighed: Option<(&Weighed, u64)>,
