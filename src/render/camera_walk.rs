@@ -36,8 +36,7 @@ pub(super) const MOST_SHADOW_RAYS: usize = 8;
 
 /// Smallest and largest semi-axes of kernels over the round's scale, which
 /// begins with two pixels' footprints: much narrower ones than the camera resolves bring
-/// only noise, but a third of a pixel already blurs cusps, and folds that no photon
-/// told of; in wider ones than
+/// only noise, but a third of a pixel already leaves more error around a fold; in wider ones than
 /// the largest the derivatives no longer hold. Light that was reflected after it was a caustic
 /// comes from everywhere: wide kernels of it would meet in every point.
 const LEAST: f64 = 0.08;

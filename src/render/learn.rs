@@ -73,7 +73,7 @@ impl Renderer<'_> {
         let pilot = self.pilot(before.photons);
         pilot.size(epoch)?;
         let taught = pilot.teach(epoch, &before.emitter);
-        // The first kernels and photons have just been weighed.
+        // Where nothing was taught, the first number of photons stands.
         let is_new = taught.is_some() || epoch > 0;
         let emitter = taught.unwrap_or_else(|| before.emitter.clone());
         let weighed = self.weigh(&emitter, Some(epoch));
