@@ -42,6 +42,7 @@ fn photons(count: u64, held: u64) -> Vec<Photon> {
                     fold: f64::INFINITY,
                 }),
                 bounced: false,
+                sheet: 0.0,
             }
         })
         .collect()

@@ -5,7 +5,7 @@ mod common;
 
 use std::f64::consts::PI;
 
-use common::{ball, renderer, scene, scene_of};
+use common::{as_gathered, ball, renderer, scene, scene_of};
 use nephroid::{
     film::{Film, Image, Layer},
     metrics::{Slope, fit_slope, relmse},
@@ -14,11 +14,11 @@ use nephroid::{
     spectrum::Rgb,
 };
 
-/// Mean relMSE of a layer over independent seeds, after each power of two of
-/// passes from one round on.
+/// Mean relMSE of what `see` makes of films, over independent seeds, after each power
+/// of two of passes from one round on.
 fn errors(
     scene: &mut Scene,
-    layer: Layer,
+    see: fn(&Film) -> Image,
     exact: &Image,
     seeds: u64,
     most: u32,
@@ -33,7 +33,7 @@ fn errors(
             film.add_pass(pass, &renderer.pass(pass).samples);
             let done = pass + 1;
             if done >= 8 && done.is_power_of_two() {
-                let error = relmse(&film.layer_image(layer), exact).expect("same size");
+                let error = relmse(&see(&film), exact).expect("same size");
                 if seed == 0 {
                     curve.push((f64::from(done), 0.0));
                 }
@@ -43,6 +43,10 @@ fn errors(
         }
     }
     curve
+}
+
+fn caustics(film: &Film) -> Image {
+    film.layer_image(Layer::Caustic)
 }
 
 fn slope(curve: &[(f64, f64)]) -> Slope {
@@ -72,7 +76,7 @@ fn caustic_of_a_ball_lens() {
     let (plane, beam, window, pixels) = (1.3, 0.95, 1.4, 48);
     let exact = ball::irradiance(plane, beam, window, pixels);
     let text = ball::scene_text(plane, beam, window, pixels, "photons: 8192");
-    let curve = errors(&mut scene(&text), Layer::Caustic, &exact, 3, 256);
+    let curve = errors(&mut scene(&text), caustics, &exact, 3, 256);
     let fit = slope(&curve);
     assert!(
         (-1.2..=-0.5).contains(&fit.slope),
@@ -94,7 +98,7 @@ fn caustic_of_a_ball_lens() {
 fn uniform_caustic() {
     let (mut scene, exact) = evenly_lit("");
 
-    let curve = errors(&mut scene, Layer::Caustic, &exact, 2, 2048);
+    let curve = errors(&mut scene, as_gathered, &exact, 2, 2048);
     let fit = slope(&curve);
     for (passes, error) in &curve {
         let independent = independent_error(&scene, *passes);
@@ -113,6 +117,14 @@ fn uniform_caustic() {
         assert!(
             pair[1].1 < pair[0].1,
             "an octave without progress: {curve:?}"
+        );
+    }
+    // A single sheet of light: of the noise, hardly any is left.
+    let sheets = errors(&mut scene, caustics, &exact, 2, 2048);
+    for ((passes, error), (_, gathered)) in sheets.iter().zip(&curve) {
+        assert!(
+            *error < 0.1 * gathered,
+            "{passes} passes: {error} of {gathered}"
         );
     }
 }
@@ -150,7 +162,7 @@ fn independent_error(scene: &Scene, passes: f64) -> f64 {
 #[test]
 fn independent_photons_in_circles_follow_their_law() {
     let (mut scene, exact) = evenly_lit(", sampler: Independent, kernel: Circle");
-    for (passes, error) in errors(&mut scene, Layer::Caustic, &exact, 24, 64) {
+    for (passes, error) in errors(&mut scene, caustics, &exact, 24, 64) {
         let ratio = error / independent_error(&scene, passes);
         // Some 480 patches of the kernel's size: 6.5 % of chance.
         assert!((0.75..1.25).contains(&ratio), "{passes} passes: {ratio}");
@@ -169,7 +181,13 @@ fn direct_light() {
         "indirect: false",
     );
     let exact = Image::from_fn(24, 24, |_, _| Rgb::grey(0.25));
-    let curve = errors(&mut scene, Layer::Direct, &exact, 2, 512);
+    let curve = errors(
+        &mut scene,
+        |film| film.layer_image(Layer::Direct),
+        &exact,
+        2,
+        512,
+    );
     let fit = slope(&curve);
     assert!(
         (-3.2..=-0.9).contains(&fit.slope),

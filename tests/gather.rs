@@ -55,6 +55,7 @@ fn half_lit() -> PhotonMap {
                 footprint: [None, Some(0.0), Some(0.8), Some(1.6), Some(2.4)][kind].map(long),
                 // A whole block of the sequence: as even as all of it.
                 bounced: i < PATHS / 4,
+                sheet: 0.0,
             }
         })
         .collect();

@@ -26,6 +26,7 @@ fn pass(index: u32, pixels: usize) -> Vec<PixelSample> {
         libm::pow(10.0, 24.0 * unit - 12.0)
     };
     let mut sample = || PixelSample {
+        sheets: [[0.0; 2]; 2],
         layers: std::array::from_fn(|_| Rgb::new(next(), next(), next())),
         blur: [next(), -next()],
     };

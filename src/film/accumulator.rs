@@ -3,8 +3,9 @@
 //!
 //! Every pass belongs to one of eight replicates (pass index modulo 8). The
 //! film keeps, per pixel, the total of each replicate and each layer over all
-//! replicates: 8 + 4 colours of three 16-byte sums, and eight sums of what
-//! narrower kernels find otherwise: **704 bytes per pixel**. The replicates
+//! replicates: 8 + 4 colours of three 16-byte sums, eight sums of what
+//! narrower kernels find otherwise, and sixteen of 8 bytes and a count of 4 for the
+//! sheets of light ([`sheets`](super::sheets)): **840 bytes per pixel**. The replicates
 //! are independent estimates of the same picture, so their spread is its noise
 //! ([`Film::noise`]). The differences of kernels are summed ([`blur_weight`]) for
 //! four groups of replicates apart: the product of two independent estimates of a
@@ -20,6 +21,7 @@ use thiserror::Error;
 use super::{
     image::Image,
     layer::{Layer, PixelSample},
+    sheets::Sheets,
 };
 use crate::{
     numeric::{ExactSum, exact::Quantum},
@@ -76,6 +78,8 @@ pub struct Film {
     pub(super) layers: Vec<[RgbSum; 4]>,
     /// What narrower kernels find otherwise, per pixel.
     pub(super) blur: Vec<BlurSum>,
+    /// How many sheets of light there are, per pixel.
+    pub(super) sheets: Vec<Sheets>,
     pub(super) passes: [u64; REPLICATES],
     pub(super) refused: u64,
 }
@@ -99,8 +103,9 @@ pub enum MergeError {
 
 impl Film {
     /// Bytes of state per pixel.
-    pub const BYTES_PER_PIXEL: usize =
-        (REPLICATES + Layer::ALL.len()) * size_of::<RgbSum>() + size_of::<BlurSum>();
+    pub const BYTES_PER_PIXEL: usize = (REPLICATES + Layer::ALL.len()) * size_of::<RgbSum>()
+        + size_of::<BlurSum>()
+        + size_of::<Sheets>();
 
     /// An empty film of `width` x `height` pixels. `quantum` must be the same
     /// for all films that are to be merged, so it is made from the scene.
@@ -113,6 +118,7 @@ impl Film {
             replicates: std::array::from_fn(|_| vec![RgbSum::default(); n]),
             layers: vec![Default::default(); n],
             blur: vec![BlurSum::default(); n],
+            sheets: vec![Sheets::default(); n],
             passes: [0; REPLICATES],
             refused: 0,
         }
@@ -175,13 +181,15 @@ impl Film {
             .par_chunks_mut(width)
             .zip(self.layers.par_chunks_mut(width))
             .zip(self.blur.par_chunks_mut(width))
+            .zip(self.sheets.par_chunks_mut(width))
             .zip(samples.par_chunks(width))
-            .map(|(((totals, layers), blur), samples)| {
+            .map(|((((totals, layers), blur), sheets), samples)| {
                 let mut refused = 0;
-                let sums = totals.iter_mut().zip(layers).zip(blur);
-                for (((total, layers), blur), sample) in sums.zip(samples) {
+                let sums = totals.iter_mut().zip(layers).zip(blur).zip(sheets);
+                for ((((total, layers), blur), sheets), sample) in sums.zip(samples) {
                     if is_in_range(sample, limit) {
                         add_sample(total, layers, sample, quantum);
+                        sheets.add(replicate, sample.sheets);
                         let group = &mut blur[replicate / GROUP];
                         // Where no photon comes there is none.
                         if weight > 0.0 && sample.blur != [0.0; 2] {
@@ -233,6 +241,9 @@ impl Film {
                 ours.merge(*theirs);
             }
         }
+        for (ours, theirs) in self.sheets.iter_mut().zip(&other.sheets) {
+            ours.merge(theirs);
+        }
         for (ours, theirs) in self.passes.iter_mut().zip(other.passes) {
             *ours = ours.saturating_add(theirs);
         }
@@ -240,7 +251,8 @@ impl Film {
         Ok(())
     }
 
-    /// The picture: the mean over all passes, black before the first.
+    /// The picture: the mean over all passes without what the sheets of light tell to
+    /// be there by chance ([`sheets`](super::sheets)), black before the first pass.
     pub fn image(&self) -> Image {
         let passes = self.passes();
         self.collect(|i| {
@@ -248,18 +260,30 @@ impl Film {
             for replicate in &self.replicates {
                 merge_rgb(&mut sum, &replicate[i]);
             }
-            self.mean(&sum, passes)
+            self.mean(&sum, passes) - self.by_chance(i)
         })
     }
 
-    /// One layer of the picture: the mean over all passes.
+    /// One layer of the picture: what is there by chance is part of
+    /// [`Layer::Caustic`].
     pub fn layer_image(&self, layer: Layer) -> Image {
         let passes = self.passes();
-        self.collect(|i| self.mean(&self.layers[i][layer as usize], passes))
+        self.collect(|i| {
+            let mean = self.mean(&self.layers[i][layer as usize], passes);
+            match layer {
+                Layer::Caustic => mean - self.by_chance(i),
+                _ => mean,
+            }
+        })
     }
 
-    /// The picture as replicate `index` alone sees it, black before its first
-    /// pass.
+    /// What [`Film::image`] leaves out of a pixel.
+    fn by_chance(&self, pixel: usize) -> Rgb {
+        self.excess(pixel).map_or(Rgb::BLACK, |excess| excess.mean)
+    }
+
+    /// The mean over the passes of replicate `index` alone, as they were gathered,
+    /// black before the first.
     ///
     /// # Panics
     /// If `index` is not below [`REPLICATES`].
@@ -283,18 +307,28 @@ impl Film {
     }
 
     /// What each replicate alone sees at one pixel, given by its number row by
-    /// row, black before its first pass; and the square of [`Film::noise`] there,
+    /// row, without what is there by chance, black before its first pass; and the square of [`Film::noise`] there,
     /// black while fewer than two replicates have passes.
     ///
     /// # Panics
     /// Outside the film.
     pub fn spread_at(&self, pixel: usize) -> ([Rgb; REPLICATES], Rgb) {
         let weights = self.passes.map(|n| n as f64);
-        let replicates: [Rgb; REPLICATES] =
+        let mut replicates: [Rgb; REPLICATES] =
             std::array::from_fn(|r| self.mean_of(&self.replicates[r][pixel], weights[r]));
         let passes = self.passes().max(1) as f64;
-        let weighted = replicates.iter().zip(weights);
-        let mean = weighted.fold(Rgb::BLACK, |sum, (&r, n)| sum + r * n) / passes;
+        let mean_of = |replicates: &[Rgb; REPLICATES]| {
+            let weighted = replicates.iter().zip(weights);
+            weighted.fold(Rgb::BLACK, |sum, (&r, n)| sum + r * n) / passes
+        };
+        let mut mean = mean_of(&replicates);
+        if let Some(excess) = self.excess(pixel) {
+            mean = mean - excess.mean;
+            let seen = replicates.iter_mut().zip(excess.replicates).zip(weights);
+            for ((replicate, by_chance), _) in seen.filter(|(_, n)| *n > 0.0) {
+                *replicate = mean + (*replicate - by_chance - mean) * excess.widening;
+            }
+        }
         let mut squares = Rgb::BLACK;
         for (&replicate, n) in replicates.iter().zip(weights) {
             // Those without passes have no weight.
@@ -324,12 +358,12 @@ impl Film {
         (0..GROUPS).filter_map(of_group).collect()
     }
 
-    fn mean(&self, sum: &RgbSum, passes: u64) -> Rgb {
+    pub(super) fn mean(&self, sum: &RgbSum, passes: u64) -> Rgb {
         self.mean_of(sum, passes as f64)
     }
 
     #[inline]
-    fn mean_of(&self, sum: &RgbSum, passes: f64) -> Rgb {
+    pub(super) fn mean_of(&self, sum: &RgbSum, passes: f64) -> Rgb {
         Rgb(sum.map(|s| s.value(self.quantum))) / passes.max(1.0)
     }
 

@@ -43,6 +43,10 @@ pub struct PixelSample {
     /// when these shrink to half of theirs. Zero where nothing is gathered, and in
     /// passes that do not count ([`blur_weight`](super::blur_weight)).
     pub blur: [f64; 2],
+    /// How many sheets of light lie over what is seen, times a weight, and that
+    /// weight: in the pixel and, summed, in those around. The weight is 0 where that is
+    /// not told. See [`Gathered::sheets`](crate::photon::Gathered::sheets).
+    pub sheets: [[f64; 2]; 2],
 }
 
 impl PixelSample {
@@ -63,6 +67,10 @@ impl AddAssign for PixelSample {
         for (sum, more) in self.blur.iter_mut().zip(other.blur) {
             *sum += more;
         }
+        let more = other.sheets.as_flattened();
+        for (sum, &more) in self.sheets.as_flattened_mut().iter_mut().zip(more) {
+            *sum += more;
+        }
     }
 }
 
@@ -73,6 +81,7 @@ impl Div<f64> for PixelSample {
         Self {
             layers: self.layers.map(|l| l / by),
             blur: self.blur.map(|b| b / by),
+            sheets: self.sheets.map(|s| s.map(|x| x / by)),
         }
     }
 }

@@ -16,6 +16,7 @@ mod heights_file;
 mod image;
 mod layer;
 mod png_file;
+pub mod sheets;
 mod state;
 
 pub use accumulator::{Film, MergeError, REPLICATES, blur_weight};

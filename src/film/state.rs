@@ -8,6 +8,8 @@
 //! | samples refused | 8 |
 //! | for each row, for each replicate and then each layer, for each channel: the bytes `w` of a count, then the row's counts | 1 + `w` x width |
 //! | the same for each group of the replicates and each step between kernels | 1 + `w` x width |
+//! | the same for the sheets of light of each replicate, in pixels and then around them | 1 + `w` x width |
+//! | the same for the passes that told nothing of sheets | 1 + `w` x width |
 //!
 //! All numbers are little-endian, counts in two's complement. `w` (1 to 16) is
 //! what the row's largest count needs: sums of a row have about the same size,
@@ -28,8 +30,9 @@ const ROWS: usize = 64;
 /// list and channel.
 const LISTS: usize = REPLICATES + 4;
 const COLOURS: usize = 3 * LISTS;
-/// The same with the differences of kernels.
-const PLANES: usize = COLOURS + 2 * GROUPS;
+/// The same with the differences of kernels, and with the sheets.
+const DIFFERENCES: usize = COLOURS + 2 * GROUPS;
+const PLANES: usize = DIFFERENCES + 2 * REPLICATES + 1;
 /// Bytes before the rows.
 const HEAD: usize = 4 + 4 + 8 + 8 * REPLICATES + 8;
 /// Bytes of the widest count.
@@ -94,6 +97,15 @@ impl Film {
                 encode(sums, &mut bytes);
             }
         }
+        let sheets = &self.sheets[row];
+        for around in 0..2 {
+            for replicate in 0..REPLICATES {
+                let sums = sheets.iter().map(|s| s.sums[around][replicate]);
+                encode(sums.map(|s| ExactSum::of_counts(s.into())), &mut bytes);
+            }
+        }
+        let untold = sheets.iter().map(|s| s.untold);
+        encode(untold.map(|n| ExactSum::of_counts(n.into())), &mut bytes);
         bytes
     }
 
@@ -133,7 +145,8 @@ impl Film {
                     .checked_sub(1 + counts.len() as u64)
                     .ok_or(StateError::Nonsense("the rows are longer than the film"))?;
                 input.read_exact(counts)?;
-                film.decode(y, plane, size, counts);
+                film.decode(y, plane, size, counts)
+                    .ok_or(StateError::Nonsense("sheets of light are too many"))?;
             }
         }
         if left > 0 {
@@ -142,12 +155,21 @@ impl Film {
         Ok(film)
     }
 
-    fn decode(&mut self, y: usize, plane: usize, size: usize, counts: &[u8]) {
+    /// Takes the counts of a row; `None` if they are larger than those of sheets can be.
+    fn decode(&mut self, y: usize, plane: usize, size: usize, counts: &[u8]) -> Option<()> {
         let width = self.width as usize;
         let row = y * width..(y + 1) * width;
         let (list, channel) = (plane / 3, plane % 3);
         let values = counts.chunks_exact(size).map(count);
-        if let Some(difference) = plane.checked_sub(COLOURS) {
+        if let Some(number) = plane.checked_sub(DIFFERENCES) {
+            for (sheets, value) in self.sheets[row].iter_mut().zip(values) {
+                let value = value.counts();
+                match sheets.sums.as_flattened_mut().get_mut(number) {
+                    Some(sum) => *sum = value.try_into().ok()?,
+                    None => sheets.untold = value.try_into().ok()?,
+                }
+            }
+        } else if let Some(difference) = plane.checked_sub(COLOURS) {
             let sums = self.blur[row].iter_mut();
             sums.zip(values)
                 .for_each(|(sum, v)| sum[difference / 2][difference % 2] = v);
@@ -160,6 +182,7 @@ impl Film {
             sums.zip(values)
                 .for_each(|(sum, v)| sum[layer][channel] = v);
         }
+        Some(())
     }
 }
 
@@ -204,6 +227,10 @@ mod tests {
                 sample[Layer::Direct] = Rgb::new(v, -v * 1e-9, v * v);
                 sample[Layer::Caustic] = Rgb::grey(libm::exp2(v));
                 sample.blur = [0.1 * v, -0.01 * v];
+                sample.sheets = [[v, 0.5 + f64::from(i % 2)], [30.0 * v, 25.0]];
+                if i == 1 && pass == 3 {
+                    sample.sheets = Default::default();
+                }
                 if i == 2 {
                     sample[Layer::Indirect] = Rgb::grey(f64::NAN);
                 }

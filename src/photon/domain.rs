@@ -100,7 +100,10 @@ pub(super) fn draw(light: &Light, target: Target, dir: [f64; 2], point: [f64; 2]
                 turns,
                 area: cap_area(l.radius, &cap),
             };
-            from_surface(&place, l.radiance, target, dir)
+            let mut start = from_surface(&place, l.radiance, target, dir);
+            // From no place is all of the cap seen.
+            start.differential.without_sheet();
+            start
         }
         Light::Quad(l) => {
             let place = Place {

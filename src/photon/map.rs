@@ -98,6 +98,12 @@ pub struct Gathered {
     /// photons, over what the kernels themselves find: of each kind of light,
     /// 1 where there is none. Zero if it was not to be found out.
     pub narrower: [[f64; 2]; 2],
+    /// Density of the photons' sheets, a number without a unit: in the mean over
+    /// photons as many as there are ways by which the light of one point of a source
+    /// (of one direction of a sun) comes to the gather point through mirrors and glass,
+    /// reflections in glass not counted; for a source with extent the mean over it. A
+    /// whole number away from the rims of light, and from folds and half-shadows.
+    pub sheets: f64,
     /// Candidates that trees offered: the work of searching.
     pub visited: u32,
     /// Kernels evaluated.

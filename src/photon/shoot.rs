@@ -56,6 +56,7 @@ impl Shot {
         let weight = emitted as f64 / other.emitted as f64;
         self.photons.extend(other.photons.iter().map(|p| Photon {
             flux: p.flux * weight,
+            sheet: p.sheet * weight,
             ..*p
         }));
         self.emitted = emitted;

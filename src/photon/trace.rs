@@ -33,6 +33,11 @@ pub struct Photon {
     pub footprint: Option<Footprint>,
     /// Whether a diffuse surface reflected it on its way.
     pub bounced: bool,
+    /// Area in m² of the sheet of light that its path stands for there
+    /// ([`Differential::sheet`]), not yet divided by the number of emitted paths; 0 for
+    /// light that was reflected where it could have passed, and where derivatives do
+    /// not tell.
+    pub sheet: f64,
 }
 
 /// Most photons that one path stores.
@@ -141,7 +146,7 @@ fn trace_in<const NESTED: bool, const SPREAD: bool, W: FnMut(Step), S: FnMut(Pho
     let mut differential = emission.differential;
     let mut way = Way::new();
     let weak = ROULETTE_BELOW * flux.max();
-    let (mut bent, mut bounced) = (false, false);
+    let (mut bent, mut bounced, mut passed) = (false, false, true);
     for depth in 0..=ctx.max_depth {
         let Some(met) = meet_in::<NESTED>(ctx, &ray, f64::INFINITY, &mut media) else {
             tally.escaped += flux.mean();
@@ -172,6 +177,7 @@ fn trace_in<const NESTED: bool, const SPREAD: bool, W: FnMut(Step), S: FnMut(Pho
             let lobe = ways.choose(ray.dir, Carried::Flux, || stream.next_1d());
             flux = scatter(flux, &lobe, tally);
             bent |= lobe.is_bent();
+            passed &= lobe.is_due();
             let turn = Turn::along(&lobe);
             watch(Step { turn, ..step });
             differential.chance *= lobe.share;
@@ -197,6 +203,7 @@ fn trace_in<const NESTED: bool, const SPREAD: bool, W: FnMut(Step), S: FnMut(Pho
             store(Photon {
                 footprint,
                 bounced,
+                sheet: sheet(&differential, passed && !bounced && footprint.is_some()),
                 ..landed
             });
             let Material::Diffuse { reflectance } = material else {
@@ -269,6 +276,13 @@ fn patch<const NESTED: bool, const SPREAD: bool>(
     Some(footprint)
 }
 
+/// The area of the sheet of light that a path stands for, if it is `counted`.
+#[inline]
+fn sheet(differential: &Differential, counted: bool) -> f64 {
+    let area = if counted { differential.sheet() } else { 0.0 };
+    if area.is_finite() { area } else { 0.0 }
+}
+
 /// The flux after a specular step, with its change booked.
 #[inline]
 fn scatter(flux: Rgb, lobe: &Lobe, tally: &mut LightTally) -> Rgb {
@@ -324,5 +338,6 @@ fn land(
         flux: shaded,
         footprint: None,
         bounced: false,
+        sheet: 0.0,
     })
 }

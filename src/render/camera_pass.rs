@@ -103,22 +103,32 @@ impl Window {
         (all, tally)
     }
 
+    /// The indices of a pixel and those around.
+    fn around(self, x: u32, y: u32) -> impl Iterator<Item = usize> {
+        let rows = y.saturating_sub(REACH).max(self.y)..(y + REACH + 1).min(self.y + self.height);
+        let columns = x.saturating_sub(REACH).max(self.x)..(x + REACH + 1).min(self.x + self.width);
+        rows.flat_map(move |ny| columns.clone().map(move |nx| self.index(nx, ny)))
+    }
+
     /// Radiances of the pixels around one.
     fn neighbours(self, radiance: &[f64], x: u32, y: u32) -> ([f64; MOST_NEIGHBOURS], usize) {
         let mut found = [0.0; MOST_NEIGHBOURS];
         let mut count = 0;
-        let rows = y.saturating_sub(REACH).max(self.y)..(y + REACH + 1).min(self.y + self.height);
-        for ny in rows {
-            let columns =
-                x.saturating_sub(REACH).max(self.x)..(x + REACH + 1).min(self.x + self.width);
-            for nx in columns {
-                if (nx, ny) != (x, y) {
-                    found[count] = radiance[self.index(nx, ny)];
-                    count += 1;
-                }
-            }
+        let own = self.index(x, y);
+        for i in self.around(x, y).filter(|&i| i != own) {
+            found[count] = radiance[i];
+            count += 1;
         }
         (found, count)
+    }
+
+    /// Sheets of light over what is seen in a pixel and those around, as
+    /// [`PixelSample::sheets`] has them.
+    fn sheets_around(self, samples: &[PixelSample], x: u32, y: u32) -> [f64; 2] {
+        self.around(x, y).fold([0.0; 2], |[sheets, weight], i| {
+            let own = samples[i].sheets[0];
+            [sheets + own[0], weight + own[1]]
+        })
     }
 }
 
@@ -292,6 +302,9 @@ impl Renderer<'_> {
                 let n = refinement.further(&neighbours[..count]);
                 let i = whole.index(px, py);
                 let mut sample = first[i];
+                if sample.sheets[0][1] > 0.0 {
+                    sample.sheets[1] = whole.sheets_around(&first, px, py);
+                }
                 if n > 0 {
                     // Every number of samples has a sequence of its own, of which
                     // each round takes the next part.

@@ -43,6 +43,10 @@ const LEAST: f64 = 0.08;
 const MOST: f64 = 6.0;
 const MOST_BOUNCED: f64 = 2.0;
 
+/// Sheets of light are counted where a path ends that carries more than this: of
+/// the ways that a sample divides into, one.
+const STRONG: f64 = 0.5;
+
 /// What a camera path may ask during one pass.
 #[derive(Clone, Copy)]
 pub(super) struct Gather<'a> {
@@ -63,6 +67,8 @@ pub(super) struct Gather<'a> {
 #[derive(Clone, Copy, Default)]
 pub(super) struct Found {
     pub(super) light: [Rgb; 2],
+    /// See [`Gathered::sheets`](crate::photon::Gathered::sheets).
+    sheets: f64,
     narrower: [[f64; 2]; 2],
 }
 
@@ -241,6 +247,11 @@ impl<'a> Gather<'a> {
             let width = self.footprint.width + self.footprint.spread * walker.length;
             let found = self.gathered(at, width, true, &mut here, vicinity, tally);
             sample[Layer::Caustic] += walker.throughput * found.light[0];
+            if walker.strength > STRONG {
+                let weight = (walker.throughput * at.reflectance).mean();
+                sample.sheets[0][0] += weight * found.sheets;
+                sample.sheets[0][1] += weight;
+            }
             if self.draws_in {
                 sample.blur = found.blur(0, walker.throughput);
             }
@@ -332,6 +343,7 @@ impl<'a> Gather<'a> {
         Found {
             light: [found.irradiance, found.bounced].map(|e| at.reflectance * e * FRAC_1_PI),
             narrower: found.narrower,
+            sheets: found.sheets,
         }
     }
 }

@@ -78,6 +78,7 @@ pub(super) fn reach(ctx: &Context<'_>, ray: Ray, beam: Beam, stream: &mut Stream
             flux: Rgb::grey(t * t),
             footprint: Some(kernel(path.ray.dir, at.ng, radius)),
             bounced: i > 0,
+            sheet: 0.0,
         });
         let local = warp::cosine_hemisphere(stream.next_2d());
         let dir = Frame::around(at.ns).to_world(local).normalize();
@@ -263,6 +264,7 @@ mod tests {
             flux: Rgb::grey(3.0),
             footprint: Some(kernel(DVec3::NEG_Z, DVec3::Z, radius)),
             bounced,
+            sheet: 0.0,
         };
         let points: Vec<Photon> = (0..n)
             .flat_map(|i| {

@@ -59,6 +59,8 @@ pub struct Differential {
     strain: [f64; MAX_PAIRS],
     room: [DVec2; MAX_PAIRS],
     kernel: [f64; MAX_PAIRS],
+    /// Area of the cells of all pairs but the first; 0 where sheets are not counted.
+    others: f64,
     /// Probability of the discrete choices on the path so far: light, target,
     /// lobe, roulette. Neighbours of this path are rarer by this factor.
     pub chance: f64,
@@ -73,6 +75,7 @@ impl Differential {
             strain: [0.0; MAX_PAIRS],
             room: [DVec2::INFINITY; MAX_PAIRS],
             kernel: [1.0; MAX_PAIRS],
+            others: 1.0,
             chance: 1.0,
         }
     }
@@ -105,6 +108,9 @@ impl Differential {
         (*dp, *dd) = (*dp * edge, *dd * edge);
         self.room[pair] /= edge;
         self.kernel[pair] = kernel;
+        if pair > 0 {
+            self.others *= edge * edge;
+        }
     }
 
     /// By what kernels are larger along each pair's coordinates than their cell
@@ -112,6 +118,24 @@ impl Differential {
     #[inline]
     pub fn kernel(&self) -> &[f64] {
         &self.kernel[..self.count]
+    }
+
+    /// Says that no whole number of sheets comes of the source ([`Self::sheet`] is 0).
+    #[inline]
+    pub fn without_sheet(&mut self) {
+        self.others = 0.0;
+    }
+
+    /// Area in m² of a receiver over which the first pair of coordinates spreads a
+    /// path's light while the others stay as they are, times the number of paths:
+    /// the mean of the sum of such areas, one for each path that lands there, is the
+    /// receiver's area times the sheets that lie over it (see
+    /// [`Gathered::sheets`](crate::photon::Gathered::sheets)). The ray must have been
+    /// transferred to the receiver. May not be finite.
+    #[inline]
+    pub fn sheet(&self) -> f64 {
+        let [s, t] = self.pairs[0].dp.to_array();
+        s.cross(t).length() * self.others / self.chance
     }
 
     /// How far each pair's coordinates are from the end of their range.

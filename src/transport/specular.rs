@@ -48,6 +48,14 @@ impl Lobe {
     pub fn is_bent(&self) -> bool {
         self.bend != Bend::Straight
     }
+
+    /// Whether the light goes the way on which sheets of it are counted: where it
+    /// could pass, it does. Reflections in glass are faint, and their sheets
+    /// would hide the others.
+    #[inline]
+    pub fn is_due(&self) -> bool {
+        self.share == 1.0 || !matches!(self.bend, Bend::Mirror { .. })
+    }
 }
 
 /// The one or two lobes of a specular step, reflection first.

@@ -15,7 +15,7 @@ pub(crate) mod cells;
 use std::{ops::ControlFlow, path::Path};
 
 use nephroid::{
-    film::{Image, Layer},
+    film::{Film, Image, Layer},
     photon::{Emission, LightTally, Photon, trace},
     render::{Job, Outcome, REPLICATES, Renderer, run},
     sampling::{Purpose, Sequence, Stream},
@@ -176,6 +176,19 @@ pub(crate) fn photon_paths(scene: &Scene, count: u64) -> Vec<Path1> {
 /// other, unlike the points of one low-discrepancy sequence.
 pub(crate) fn independent(family: u64, i: u64) -> Stream {
     Sequence::new(family, Purpose::Pilot, 7, i).at(0)
+}
+
+/// The caustics that all passes of whole rounds together gathered, without any
+/// correction.
+pub(crate) fn as_gathered(film: &Film) -> Image {
+    let picture = film.image();
+    let caustic = film.layer_image(Layer::Caustic);
+    let replicates: Vec<Image> = (0..8).map(|r| film.replicate_image(r)).collect();
+    Image::from_fn(picture.width(), picture.height(), |x, y| {
+        let sum = replicates.iter().map(|r| r.pixel(x, y));
+        let mean = sum.reduce(|a, b| a + b).expect("eight") * 0.125;
+        caustic.pixel(x, y) + (mean - picture.pixel(x, y))
+    })
 }
 
 /// The green channel of all pixels.

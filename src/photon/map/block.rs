@@ -34,6 +34,7 @@ pub(super) struct Block {
     minor: Vec4,
     fold: Vec4,
     flux: [[f32; 3]; LANES],
+    sheet: [f32; LANES],
 }
 
 /// A kernel that reaches a query.
@@ -85,6 +86,7 @@ impl Block {
                 minor: each(&|p| p.minor),
                 fold: each(&|p| p.fold),
                 flux: lanes.map(|p| p.flux),
+                sheet: lanes.map(|p| p.sheet),
             }
         })
     }
@@ -159,6 +161,12 @@ impl Block {
     #[inline]
     pub(super) fn flux(&self, kernel: &Reaching) -> [f32; 3] {
         self.flux[kernel.lane]
+    }
+
+    /// The area of a photon's sheet of light in m2.
+    #[inline]
+    pub(super) fn sheet(&self, kernel: &Reaching) -> f32 {
+        self.sheet[kernel.lane]
     }
 
     /// The place of a photon.

@@ -42,11 +42,13 @@ const SMALLEST_PART: usize = 8;
 /// have more.
 pub(super) const BYTES_PER_PHOTON: u64 = size_of::<Stored>() as u64 + 4 * 36;
 
-/// A photon at rest, 56 bytes.
+/// A photon at rest, 60 bytes.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Stored {
     pub(super) position: [f32; 3],
     pub(super) flux: [f32; 3],
+    /// Area of its sheet of light.
+    pub(super) sheet: f32,
     /// Unit vector of the major axis.
     pub(super) axis: [f32; 3],
     /// Length of the major semi-axis; 0 for photons without a footprint.
@@ -176,6 +178,7 @@ impl Class {
                 Stored {
                     position: (rotation * photon.position - center).as_vec3().to_array(),
                     flux: photon.flux.0.map(|c| c as f32),
+                    sheet: photon.sheet as f32,
                     axis: (rotation * axis).as_vec3().to_array(),
                     major: major as f32,
                     minor: minor as f32,

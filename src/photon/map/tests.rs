@@ -55,6 +55,7 @@ fn floor_photons(
                 flux: Rgb::new(1.0, 0.5, 0.25),
                 footprint,
                 bounced: false,
+                sheet: 0.0,
             }
         })
         .collect()
@@ -99,6 +100,7 @@ fn agrees_with_brute_force() {
     });
     for (i, p) in photons.iter_mut().enumerate() {
         p.bounced = i % 5 == 0;
+        p.sheet = if p.bounced { 0.0 } else { (i % 3) as f64 };
     }
     let map = PhotonMap::new(&photons, 1000, 0.5);
     let at = numbers(2);
@@ -117,6 +119,7 @@ fn agrees_with_brute_force() {
             ..query(p, DVec3::Z, 0.0)
         };
         let mut expected = [0.0; 2];
+        let mut sheets = 0.0;
         let mut reached = 0;
         for ph in &photons {
             if !(ph.bounced || q.kernels.caustics) {
@@ -151,7 +154,9 @@ fn agrees_with_brute_force() {
                     0.0
                 };
                 let sum = t + image.max(0.0);
-                expected[usize::from(ph.bounced)] += FRAC_2_PI * sum / (a * b) / 1000.0;
+                let density = FRAC_2_PI * sum / (a * b) / 1000.0;
+                expected[usize::from(ph.bounced)] += density;
+                sheets += density * ph.sheet;
                 reached += 1;
             }
         }
@@ -165,6 +170,11 @@ fn agrees_with_brute_force() {
             assert!((g[1] - 0.5 * g[0]).abs() <= 1e-9 * e, "colours");
             assert!((g[2] - 0.25 * g[0]).abs() <= 1e-9 * e, "colours");
         }
+        assert!(
+            (got.sheets - sheets).abs() <= 1e-3 * sheets.max(1.0),
+            "query {i}: {} sheets against {sheets}",
+            got.sheets
+        );
         // Up to rounding at the rims.
         assert!(
             got.accepted.abs_diff(reached) <= 2,
@@ -261,6 +271,7 @@ fn curved_receivers_keep_their_photons() {
                 flux: Rgb::WHITE,
                 footprint: None,
                 bounced: false,
+                sheet: 0.0,
             }
         })
         .collect();
@@ -318,6 +329,7 @@ fn degenerate_sets() {
         flux: Rgb::WHITE,
         footprint: None,
         bounced: false,
+        sheet: 0.0,
     };
     let at_origin = |map: &PhotonMap, q: &Query| ask(map, q).irradiance;
     let simple = query(DVec3::ZERO, DVec3::Z, 1.0);

@@ -151,6 +151,7 @@ impl<'a> Vicinity<'a> {
             .flatten();
         let back = map.rotation.transpose();
         let mut sums = [[0.0; 3]; 2];
+        let mut sheets = 0.0;
         let mut narrower = [[0.0; 2]; 2];
         for (c, class) in map.classes().enumerate() {
             let bounced = usize::from(c >= map.caustics.len());
@@ -180,6 +181,7 @@ impl<'a> Vicinity<'a> {
                 }
                 gathered.accepted += 1;
                 let flux = block.flux(kernel).map(f64::from);
+                sheets += k * f64::from(block.sheet(kernel));
                 for (s, f) in sum.iter_mut().zip(flux) {
                     *s += k * f;
                 }
@@ -212,6 +214,7 @@ impl<'a> Vicinity<'a> {
             gathered.narrower = narrower;
         }
         let [caustics, bounced] = sums.map(|s| Rgb(s) * map.per_path);
+        gathered.sheets = sheets * map.per_path;
         gathered.irradiance = caustics;
         gathered.bounced = bounced;
         gathered

@@ -21,6 +21,7 @@ fn kernels_end_at_a_fold() {
                 fold,
             }),
             bounced: false,
+            sheet: 0.0,
         };
         let map = PhotonMap::new(&[photon], 1, 1.0);
         for least in [0.0, 0.008, 0.02, 0.06] {

@@ -1,0 +1,194 @@
+//! What the number of sheets tells of chance.
+//!
+//! Light that leaves a source (a point of it, for a sun one of its directions)
+//! and takes the same specular steps falls on a receiver as a *sheet*, which folds
+//! at caustics: one or several layers of it, and always whole ones, lie over a
+//! point. Photons that stand for patches of the receiver tell of both at once, of
+//! its light and of the sheets over it, with the same chance: where too many of
+//! their kernels overlap, there is too much light by as much as there are too many
+//! sheets. But of the sheets it is known that they are whole. Where their mean over
+//! all passes is a whole number within its error, the light is corrected by what
+//! the difference explains: a control variate (J. M. Hammersley and
+//! D. C. Handscomb, *Monte Carlo Methods*, 1964, section 5.5) whose mean need not
+//! be known in advance, only recognised.
+//!
+//! At folds and rims of light and in the half-shadow of a lamp the mean number is
+//! none that is whole, and nothing is corrected. A fraction that is too near to a
+//! whole number to be told from it is taken for it: the light is then wrong by no
+//! more than about the error that the correction has taken off, and with more
+//! passes, by less. The 5 x 5 pixels around are asked, too, since a mean
+//! over them has less noise and differs where a fold is near.
+
+use super::accumulator::{Film, REPLICATES};
+use crate::{film::Layer, spectrum::Rgb};
+
+/// Fewest replicates from whose spread anything is told.
+const FEWEST: usize = 4;
+
+/// Largest standard error of a number of sheets that is taken for a whole one.
+const SURE: f64 = 0.12;
+
+/// Standard errors by which the mean number may differ from a whole one: to the
+/// first all is corrected, from the second on nothing. Of the pixel and of those
+/// around.
+const OWN: [f64; 2] = [2.8, 5.6];
+const AROUND: [f64; 2] = [1.4, 2.8];
+
+/// An error known from so many more replicates than one may differ by twice as many
+/// standard errors: it is often too small by a factor.
+const FEW: f64 = 3.0;
+
+/// How much of the light's relative deviation one of the sheets may explain.
+const MOST: f64 = 1.5;
+
+/// How many times the doubt about the slope counts against it.
+const DOUBT: f64 = 2.0;
+
+/// Sums are counted in 2^-32 of a sheet, so that their order leaves no trace.
+const UNIT: f64 = 1.0 / (1u64 << 32) as f64;
+
+/// Numbers above this are no counts of anything: some 2^21 passes with less fit
+/// into a sum.
+const LARGEST: f64 = 1024.0;
+
+/// Sums over the passes of each replicate, of one pixel.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) struct Sheets {
+    /// Sheets in the pixel, and in those around.
+    pub(super) sums: [[i64; REPLICATES]; 2],
+    /// Passes that told nothing, all replicates together.
+    pub(super) untold: u32,
+}
+
+impl Sheets {
+    /// Adds what a pass of a replicate saw: see [`PixelSample::sheets`].
+    ///
+    /// [`PixelSample::sheets`]: super::PixelSample::sheets
+    pub(super) fn add(&mut self, replicate: usize, seen: [[f64; 2]; 2]) {
+        let numbers = seen.map(|[sheets, weight]| sheets / weight);
+        // Not where nothing was looked at: 0 / 0 is no number.
+        if !numbers.iter().all(|n| (0.0..=LARGEST).contains(n)) {
+            self.untold = self.untold.saturating_add(1);
+            return;
+        }
+        for (sums, number) in self.sums.iter_mut().zip(numbers) {
+            let sum = &mut sums[replicate];
+            *sum = sum.saturating_add((number / UNIT).round_ties_even() as i64);
+        }
+    }
+
+    /// Adds the sums of other passes.
+    pub(super) fn merge(&mut self, other: &Self) {
+        let theirs = other.sums.as_flattened();
+        for (ours, &theirs) in self.sums.as_flattened_mut().iter_mut().zip(theirs) {
+            *ours = ours.saturating_add(theirs);
+        }
+        self.untold = self.untold.saturating_add(other.untold);
+    }
+}
+
+/// Light that is there by chance, W/m2/sr: the picture is without it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Excess {
+    /// In the picture.
+    pub(super) mean: Rgb,
+    /// In what each replicate sees.
+    pub(super) replicates: [Rgb; REPLICATES],
+    /// By what the standard error of the rest is larger than its spread says,
+    /// since a slope was fitted to the same numbers.
+    pub(super) widening: f64,
+}
+
+/// Means of the replicates, each with its number of passes as a weight.
+struct Spread {
+    deviations: [f64; REPLICATES],
+    mean: f64,
+    /// Weighted sum of the squared deviations.
+    squares: f64,
+    /// Standard error of the mean.
+    error: f64,
+}
+
+impl Spread {
+    fn of(values: [f64; REPLICATES], weights: &[f64; REPLICATES], used: usize) -> Self {
+        let total: f64 = weights.iter().sum();
+        let mean = values.iter().zip(weights).map(|(v, w)| v * w).sum::<f64>() / total;
+        let deviations = values.map(|v| v - mean);
+        let squares = product(&deviations, &deviations, weights);
+        Self {
+            deviations,
+            mean,
+            squares,
+            error: (squares / ((used - 1) as f64 * total)).sqrt(),
+        }
+    }
+}
+
+/// The weighted sum of products.
+fn product(a: &[f64; REPLICATES], b: &[f64; REPLICATES], weights: &[f64; REPLICATES]) -> f64 {
+    let terms = a.iter().zip(b).zip(weights);
+    terms.map(|((a, b), w)| a * b * w).sum()
+}
+
+/// 1 up to the first limit, falling to 0 at the second.
+fn falling(x: f64, [full, none]: [f64; 2]) -> f64 {
+    ((none - x) / (none - full)).clamp(0.0, 1.0)
+}
+
+impl Film {
+    /// What chance has brought into a pixel, if that can be told.
+    pub(super) fn excess(&self, pixel: usize) -> Option<Excess> {
+        let sheets = &self.sheets[pixel];
+        let used = self.passes.iter().filter(|&&n| n > 0).count();
+        if sheets.untold > 0 || used < FEWEST || sheets.sums[0] == [0; REPLICATES] {
+            return None;
+        }
+        let weights = self.passes.map(|n| n as f64);
+        let mean_of = |r: usize, sum: i64| sum as f64 * UNIT / weights[r].max(1.0);
+        let [own, around] = sheets.sums.map(|sums| {
+            let means = std::array::from_fn(|r| mean_of(r, sums[r]));
+            Spread::of(means, &weights, used)
+        });
+        let whole = around.mean.round();
+        let sure = own.error > 0.0 && own.error < SURE && own.mean > 0.0;
+        if whole < 1.0 || !sure {
+            return None;
+        }
+        let off = |s: &Spread| (s.mean - whole).abs() / s.error.max(f64::MIN_POSITIVE);
+        let tolerance = 1.0 + FEW / (used - 1) as f64;
+        let [own_off, around_off] = [&own, &around].map(|s| off(s) / tolerance);
+        let believed = falling(own_off, OWN) * falling(around_off, AROUND);
+        let caustic = self.mean(&self.layers[pixel][Layer::Caustic as usize], self.passes());
+        let scale = caustic.mean() / own.mean;
+        if believed == 0.0 || scale <= 0.0 {
+            return None;
+        }
+        // Of a sheet's share of the light, that much comes and goes with a sheet.
+        let totals = std::array::from_fn(|r| {
+            self.mean_of(&self.replicates[r][pixel], weights[r]).mean() / scale
+        });
+        let light = Spread::of(totals, &weights, used);
+        let slope = product(&own.deviations, &light.deviations, &weights) / own.squares;
+        let explained = slope * slope * own.squares;
+        let freedom = (used - 2) as f64;
+        let doubt = (light.squares - explained).max(0.0) / freedom;
+        // Drawn to none as far as chance may have made it (James and Stein 1961).
+        let kept = (1.0 - DOUBT * doubt / explained).max(0.0) * believed;
+        let slope = (slope * kept).min(MOST);
+        // Not a number where nothing is explained.
+        if slope.is_nan() || slope <= 0.0 {
+            return None;
+        }
+        let by_chance = |number: f64| caustic * (slope * (number - whole) / own.mean);
+        let t = off(&own);
+        let fitted = (freedom + 1.0) / freedom * (1.0 + t * t / (freedom + 1.0));
+        Some(Excess {
+            mean: by_chance(own.mean),
+            replicates: own.deviations.map(|d| by_chance(own.mean + d)),
+            widening: 1.0 + kept * (fitted.sqrt() - 1.0),
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests;
