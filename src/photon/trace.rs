@@ -64,6 +64,18 @@ pub struct Step {
     pub behind: bool,
 }
 
+impl Step {
+    /// The same where a specular surface sends the photon along a lobe.
+    fn turned(self, lobe: &Lobe) -> Self {
+        let turn = if lobe.is_bent() {
+            Turn::Bent
+        } else {
+            Turn::Straight
+        };
+        Self { turn, ..self }
+    }
+}
+
 /// What a surface does with a photon.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Turn {
@@ -73,17 +85,6 @@ pub enum Turn {
     Bent,
     /// A surface that is not specular ends its way, or a leg of it.
     Ended,
-}
-
-impl Turn {
-    /// What a specular surface does that sends a photon along a lobe.
-    fn along(lobe: &Lobe) -> Self {
-        if lobe.is_bent() {
-            Self::Bent
-        } else {
-            Self::Straight
-        }
-    }
 }
 
 /// Follows a photon, one of `paths`; what becomes of its flux goes into
@@ -178,8 +179,7 @@ fn trace_in<const NESTED: bool, const SPREAD: bool, W: FnMut(Step), S: FnMut(Pho
             flux = scatter(flux, &lobe, tally);
             bent |= lobe.is_bent();
             passed &= lobe.is_due();
-            let turn = Turn::along(&lobe);
-            watch(Step { turn, ..step });
+            watch(step.turned(&lobe));
             differential.chance *= lobe.share;
             if SPREAD {
                 way.push(hit.surface.instance, &lobe.bend);
