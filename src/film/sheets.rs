@@ -14,10 +14,10 @@
 //!
 //! At folds and rims of light and in the half-shadow of a lamp the mean number is
 //! none that is whole, and nothing is corrected. A fraction that is too near to a
-//! whole number to be told from it is taken for it: the light is then wrong by no
-//! more than about the error that the correction has taken off, and with more
-//! passes, by less. The 5 x 5 pixels around are asked, too, since a mean
-//! over them has less noise and differs where a fold is near.
+//! whole number to be told from it is taken for it: the light is then wrong by
+//! some standard errors at most, as gathered, and with more passes by less. The
+//! 5 x 5 pixels around are asked, too, since a mean over them has less noise and
+//! differs where a fold is near.
 
 use super::accumulator::{Film, REPLICATES};
 use crate::{film::Layer, spectrum::Rgb};
@@ -30,13 +30,9 @@ const SURE: f64 = 0.12;
 
 /// Standard errors by which the mean number may differ from a whole one: to the
 /// first all is corrected, from the second on nothing. Of the pixel and of those
-/// around.
-const OWN: [f64; 2] = [2.8, 5.6];
-const AROUND: [f64; 2] = [1.4, 2.8];
-
-/// An error known from so many more replicates than one may differ by twice as many
-/// standard errors: it is often too small by a factor.
-const FEW: f64 = 3.0;
+/// around. Errors of so few replicates are often too small by a factor.
+const OWN: [f64; 2] = [4.0, 8.0];
+const AROUND: [f64; 2] = [3.0, 6.0];
 
 /// How much of the light's relative deviation one of the sheets may explain.
 const MOST: f64 = 1.5;
@@ -155,9 +151,7 @@ impl Film {
             return None;
         }
         let off = |s: &Spread| (s.mean - whole).abs() / s.error.max(f64::MIN_POSITIVE);
-        let tolerance = 1.0 + FEW / (used - 1) as f64;
-        let [own_off, around_off] = [&own, &around].map(|s| off(s) / tolerance);
-        let believed = falling(own_off, OWN) * falling(around_off, AROUND);
+        let believed = falling(off(&own), OWN) * falling(off(&around), AROUND);
         let caustic = self.mean(&self.layers[pixel][Layer::Caustic as usize], self.passes());
         let scale = caustic.mean() / own.mean;
         if believed == 0.0 || scale <= 0.0 {
