@@ -307,8 +307,9 @@ impl Film {
     }
 
     /// What each replicate alone sees at one pixel, given by its number row by
-    /// row, without what is there by chance, black before its first pass; and the square of [`Film::noise`] there,
-    /// black while fewer than two replicates have passes.
+    /// row, without what is there by chance, black before its first pass; and the
+    /// square of [`Film::noise`] there, black while fewer than two replicates have
+    /// passes.
     ///
     /// # Panics
     /// Outside the film.
