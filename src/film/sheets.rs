@@ -32,7 +32,7 @@ const SURE: f64 = 0.12;
 /// first all is corrected, from the second on nothing. Of the pixel and of those
 /// around. Errors of so few replicates are often too small by a factor.
 const OWN: [f64; 2] = [4.0, 8.0];
-const AROUND: [f64; 2] = [3.0, 6.0];
+const AROUND: [f64; 2] = [2.0, 4.0];
 
 /// How much of the light's relative deviation one of the sheets may explain.
 const MOST: f64 = 1.5;
