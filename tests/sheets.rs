@@ -105,7 +105,7 @@ fn a_fold_lays_two_more() {
     scene.settings.photons = Some(PATHS);
     let renderer = renderer(&scene);
     let emitter = renderer.emitter().expect("a caster");
-    // The fold has a radius of 0.0729 m, and the light ends at 0.36 m.
+    // The fold lies between the two rings.
     for (low, high, number) in [(0.02, 0.07, 3.0), (0.076, 0.13, 1.0)] {
         let area = PI * (high * high - low * low);
         let ring = |p: DVec3| p.z.abs() < 1e-9 && (low..high).contains(&p.truncate().length());
@@ -114,8 +114,8 @@ fn a_fold_lays_two_more() {
     }
 }
 
-/// Against exact solutions, after one round: where the light is smooth a sixth of the
-/// error is left or less, where there are folds no more than there was.
+/// Against exact solutions, after one round: less error is left than as gathered,
+/// where the light is smooth a fifth or less.
 #[test]
 fn pictures_are_more_exact() {
     for (name, most) in [
