@@ -27,6 +27,7 @@ fn pass(index: u32, pixels: usize) -> Vec<PixelSample> {
     };
     let mut sample = || PixelSample {
         sheets: [[0.0; 2]; 2],
+        sheet_steps: [0.0; 2],
         layers: std::array::from_fn(|_| Rgb::new(next(), next(), next())),
         blur: [next(), -next()],
     };

@@ -4,8 +4,8 @@
 //! Every pass belongs to one of eight replicates (pass index modulo 8). The
 //! film keeps, per pixel, the total of each replicate and each layer over all
 //! replicates: 8 + 4 colours of three 16-byte sums, eight sums of what
-//! narrower kernels find otherwise, and sixteen of 8 bytes and a count of 4 for the
-//! sheets of light ([`sheets`](super::sheets)): **840 bytes per pixel**. The replicates
+//! narrower kernels find otherwise, and 24 of 8 bytes and a count of 4 for the
+//! sheets of light ([`sheets`](super::sheets)): **904 bytes per pixel**. The replicates
 //! are independent estimates of the same picture, so their spread is its noise
 //! ([`Film::noise`]). The differences of kernels are summed ([`blur_weight`]) for
 //! four groups of replicates apart: the product of two independent estimates of a
@@ -45,6 +45,11 @@ pub(super) const GROUPS: usize = 4;
 
 /// Replicates of a group.
 const GROUP: usize = REPLICATES / GROUPS;
+
+/// The group of a replicate.
+pub(super) const fn group_of(replicate: usize) -> usize {
+    replicate / GROUP
+}
 
 /// Rounds of which every pass tells how narrower kernels differ.
 const TELLING_ROUNDS: u32 = 6;
@@ -189,8 +194,8 @@ impl Film {
                 for ((((total, layers), blur), sheets), sample) in sums.zip(samples) {
                     if is_in_range(sample, limit) {
                         add_sample(total, layers, sample, quantum);
-                        sheets.add(replicate, sample.sheets);
-                        let group = &mut blur[replicate / GROUP];
+                        sheets.add(replicate, sample, weight);
+                        let group = &mut blur[group_of(replicate)];
                         // Where no photon comes there is none.
                         if weight > 0.0 && sample.blur != [0.0; 2] {
                             for (sum, step) in group.iter_mut().zip(sample.blur) {
@@ -349,12 +354,20 @@ impl Film {
     /// replicates that has any, weighted by [`blur_weight`]: row by row. After an
     /// even number of a group's passes the weights are on average one, in between
     /// one more or less of all its passes. The groups are independent estimates of
-    /// one thing.
+    /// one thing. What chance brings into a pixel, it brings into narrower kernels,
+    /// too: what the picture is without ([`Film::image`]) is none of the difference.
     pub fn blur(&self) -> Vec<Vec<[f64; 2]>> {
+        let by_chance: Vec<_> = (0..self.blur.len())
+            .into_par_iter()
+            .map(|pixel| self.steps_by_chance(pixel).unwrap_or_default())
+            .collect();
         let of_group = |group: usize| {
             let passes: u64 = self.passes[group * GROUP..][..GROUP].iter().sum();
-            let mean = |sums: &BlurSum| sums[group].map(|s| s.value(self.quantum) / passes as f64);
-            (passes > 0).then(|| self.blur.par_iter().map(mean).collect())
+            let mean = |(sums, by_chance): (&BlurSum, &[[f64; 2]; GROUPS])| {
+                let sums = sums[group].map(|s| s.value(self.quantum));
+                [0, 1].map(|step| (sums[step] - by_chance[group][step]) / passes as f64)
+            };
+            (passes > 0).then(|| self.blur.par_iter().zip(&by_chance).map(mean).collect())
         };
         (0..GROUPS).filter_map(of_group).collect()
     }

@@ -47,6 +47,9 @@ pub struct PixelSample {
     /// weight: in the pixel and, summed, in those around. The weight is 0 where that is
     /// not told. See [`Gathered::sheets`](crate::photon::Gathered::sheets).
     pub sheets: [[f64; 2]; 2],
+    /// How many fewer sheets narrower kernels find, as [`Self::blur`] has it for the
+    /// light, times the weight of [`Self::sheets`] in the pixel.
+    pub sheet_steps: [f64; 2],
 }
 
 impl PixelSample {
@@ -71,6 +74,9 @@ impl AddAssign for PixelSample {
         for (sum, &more) in self.sheets.as_flattened_mut().iter_mut().zip(more) {
             *sum += more;
         }
+        for (sum, more) in self.sheet_steps.iter_mut().zip(other.sheet_steps) {
+            *sum += more;
+        }
     }
 }
 
@@ -82,6 +88,7 @@ impl Div<f64> for PixelSample {
             layers: self.layers.map(|l| l / by),
             blur: self.blur.map(|b| b / by),
             sheets: self.sheets.map(|s| s.map(|x| x / by)),
+            sheet_steps: self.sheet_steps.map(|s| s / by),
         }
     }
 }

@@ -13,13 +13,20 @@
 //! be known in advance, only recognised.
 //!
 //! At folds and rims of light and in the half-shadow of a lamp the mean number is
-//! none that is whole, and nothing is corrected. A fraction that is too near to a
-//! whole number to be told from it is taken for it: the light is then wrong by
-//! some standard errors at most, as gathered, and with more passes by less. The
+//! none that is whole, and nothing is corrected. How likely a number is to be a whole
+//! one, Bayes' rule says: chance makes a deviation of so many standard errors with
+//! Student's density, and a fraction may be any. The correction counts by that
+//! probability, which is the mean of what may be, and the doubt adds to the noise. The
 //! 5 x 5 pixels around are asked, too, since a mean over them has less noise and
-//! differs where a fold is near.
+//! differs where a fold is near; the less likely of both answers counts. A fraction
+//! that is too near to a whole number to be told from it is taken for it: the light is
+//! then wrong by some standard errors at most, as gathered, and with more passes by
+//! less.
 
-use super::accumulator::{Film, REPLICATES};
+use super::{
+    PixelSample,
+    accumulator::{Film, GROUPS, REPLICATES, group_of},
+};
 use crate::{film::Layer, spectrum::Rgb};
 
 /// Fewest replicates from whose spread anything is told.
@@ -28,17 +35,20 @@ const FEWEST: usize = 4;
 /// Largest standard error of a number of sheets that is taken for a whole one.
 const SURE: f64 = 0.12;
 
-/// Standard errors by which the mean number may differ from a whole one: to the
-/// first all is corrected, from the second on nothing. Of the pixel and of those
-/// around. Errors of so few replicates are often too small by a factor.
-const OWN: [f64; 2] = [4.0, 8.0];
-const AROUND: [f64; 2] = [2.0, 4.0];
+/// How many places have a whole number, to each that has a fraction.
+const ODDS: f64 = 100.0;
+
+/// Student's density at 0: of 3 to 7 degrees of freedom it is 0.37 to 0.385.
+const PEAK: f64 = 0.38;
 
 /// How much of the light's relative deviation one of the sheets may explain.
 const MOST: f64 = 1.5;
 
 /// How many times the doubt about the slope counts against it.
 const DOUBT: f64 = 2.0;
+
+/// Squares are known to that part of those that are taken off.
+const LEAST: f64 = 1e-9;
 
 /// Sums are counted in 2^-32 of a sheet, so that their order leaves no trace.
 const UNIT: f64 = 1.0 / (1u64 << 32) as f64;
@@ -52,31 +62,53 @@ const LARGEST: f64 = 1024.0;
 pub(super) struct Sheets {
     /// Sheets in the pixel, and in those around.
     pub(super) sums: [[i64; REPLICATES]; 2],
+    /// By how many sheets narrower kernels find fewer, of each group of replicates:
+    /// weighted as those of the light are.
+    pub(super) steps: [[i64; 2]; GROUPS],
     /// Passes that told nothing, all replicates together.
     pub(super) untold: u32,
 }
 
 impl Sheets {
-    /// Adds what a pass of a replicate saw: see [`PixelSample::sheets`].
-    ///
-    /// [`PixelSample::sheets`]: super::PixelSample::sheets
-    pub(super) fn add(&mut self, replicate: usize, seen: [[f64; 2]; 2]) {
-        let numbers = seen.map(|[sheets, weight]| sheets / weight);
+    /// Adds what a pass of a replicate saw. Differences of kernels count `weight`
+    /// times.
+    pub(super) fn add(&mut self, replicate: usize, seen: &PixelSample, weight: f64) {
+        let numbers = seen.sheets.map(|[sheets, weight]| sheets / weight);
+        let steps = seen.sheet_steps.map(|step| step / seen.sheets[0][1]);
         // Not where nothing was looked at: 0 / 0 is no number.
-        if !numbers.iter().all(|n| (0.0..=LARGEST).contains(n)) {
+        let known = numbers.iter().all(|n| (0.0..=LARGEST).contains(n))
+            && steps.iter().all(|step| step.abs() <= LARGEST);
+        if !known {
             self.untold = self.untold.saturating_add(1);
             return;
         }
-        for (sums, number) in self.sums.iter_mut().zip(numbers) {
-            let sum = &mut sums[replicate];
+        let add = |sum: &mut i64, number: f64| {
             *sum = sum.saturating_add((number / UNIT).round_ties_even() as i64);
+        };
+        for (sums, number) in self.sums.iter_mut().zip(numbers) {
+            add(&mut sums[replicate], number);
         }
+        for (sum, step) in self.steps[group_of(replicate)].iter_mut().zip(steps) {
+            add(sum, weight * step);
+        }
+    }
+
+    /// All sums, in the order of files.
+    pub(super) fn counts(&self) -> impl Iterator<Item = i64> {
+        let sums = self.sums.as_flattened().iter();
+        sums.chain(self.steps.as_flattened()).copied()
+    }
+
+    /// The same, to change them.
+    pub(super) fn counts_mut(&mut self) -> impl Iterator<Item = &mut i64> {
+        let sums = self.sums.as_flattened_mut().iter_mut();
+        sums.chain(self.steps.as_flattened_mut())
     }
 
     /// Adds the sums of other passes.
     pub(super) fn merge(&mut self, other: &Self) {
-        let theirs = other.sums.as_flattened();
-        for (ours, &theirs) in self.sums.as_flattened_mut().iter_mut().zip(theirs) {
+        let theirs = other.counts();
+        for (ours, theirs) in self.counts_mut().zip(theirs) {
             *ours = ours.saturating_add(theirs);
         }
         self.untold = self.untold.saturating_add(other.untold);
@@ -90,6 +122,8 @@ pub(super) struct Excess {
     pub(super) mean: Rgb,
     /// In what each replicate sees.
     pub(super) replicates: [Rgb; REPLICATES],
+    /// With each sheet: the mean over the channels.
+    pub(super) per_sheet: f64,
     /// By what the standard error of the rest is larger than its spread says,
     /// since a slope was fitted to the same numbers.
     pub(super) widening: f64,
@@ -120,18 +154,38 @@ impl Spread {
     }
 }
 
+impl Spread {
+    /// How far the mean is from a number, in standard errors.
+    fn off(&self, number: f64) -> f64 {
+        (self.mean - number).abs() / self.error.max(f64::MIN_POSITIVE)
+    }
+
+    /// The probability that the mean of all passes that could be is that whole number,
+    /// and not a fraction around it, of which each is as likely.
+    fn likely(&self, whole: f64, freedom: f64) -> f64 {
+        let t = self.off(whole);
+        let by_chance = PEAK * libm::pow(1.0 + t * t / freedom, -0.5 * (freedom + 1.0));
+        let odds = ODDS * by_chance / self.error.max(f64::MIN_POSITIVE);
+        1.0 / (1.0 + 1.0 / odds)
+    }
+}
+
 /// The weighted sum of products.
 fn product(a: &[f64; REPLICATES], b: &[f64; REPLICATES], weights: &[f64; REPLICATES]) -> f64 {
     let terms = a.iter().zip(b).zip(weights);
     terms.map(|((a, b), w)| a * b * w).sum()
 }
 
-/// 1 up to the first limit, falling to 0 at the second.
-fn falling(x: f64, [full, none]: [f64; 2]) -> f64 {
-    ((none - x) / (none - full)).clamp(0.0, 1.0)
-}
-
 impl Film {
+    /// What narrower kernels find less of the light that is there by chance, since
+    /// they find fewer sheets: of each group of replicates, summed as
+    /// [`Film::blur`] has the light's.
+    pub(super) fn steps_by_chance(&self, pixel: usize) -> Option<[[f64; 2]; GROUPS]> {
+        let per_sheet = self.excess(pixel)?.per_sheet;
+        let steps = self.sheets[pixel].steps;
+        Some(steps.map(|group| group.map(|sum| sum as f64 * UNIT * per_sheet)))
+    }
+
     /// What chance has brought into a pixel, if that can be told.
     pub(super) fn excess(&self, pixel: usize) -> Option<Excess> {
         let sheets = &self.sheets[pixel];
@@ -150,8 +204,9 @@ impl Film {
         if whole < 1.0 || !sure {
             return None;
         }
-        let off = |s: &Spread| (s.mean - whole).abs() / s.error.max(f64::MIN_POSITIVE);
-        let believed = falling(off(&own), OWN) * falling(off(&around), AROUND);
+        let freedom = (used - 1) as f64;
+        let believed = own.likely(whole, freedom);
+        let believed = believed.min(around.likely(whole, freedom));
         let caustic = self.mean(&self.layers[pixel][Layer::Caustic as usize], self.passes());
         let scale = caustic.mean() / own.mean;
         if believed == 0.0 || scale <= 0.0 {
@@ -164,22 +219,32 @@ impl Film {
         let light = Spread::of(totals, &weights, used);
         let slope = product(&own.deviations, &light.deviations, &weights) / own.squares;
         let explained = slope * slope * own.squares;
-        let freedom = (used - 2) as f64;
-        let doubt = (light.squares - explained).max(0.0) / freedom;
+        let doubt = (light.squares - explained).max(0.0) / (freedom - 1.0);
         // Drawn to none as far as chance may have made it (James and Stein 1961).
-        let kept = (1.0 - DOUBT * doubt / explained).max(0.0) * believed;
+        let kept = (1.0 - DOUBT * doubt / explained).max(0.0);
         let slope = (slope * kept).min(MOST);
         // Not a number where nothing is explained.
         if slope.is_nan() || slope <= 0.0 {
             return None;
         }
+        // What is left of the squares if that much is taken off.
+        let left = |slope: f64| {
+            let rest = light.squares + slope * slope * own.squares;
+            let both = product(&own.deviations, &light.deviations, &weights);
+            (rest - 2.0 * slope * both).max(0.0)
+        };
+        let t = own.off(whole);
+        let fitted = freedom / (freedom - 1.0) * (1.0 + t * t / freedom);
+        // The variance of what may be: of either case, and between them.
+        let cases = believed * left(slope) * fitted + (1.0 - believed) * light.squares;
+        let between = believed * (1.0 - believed) * (slope * t).powi(2) * own.squares;
+        let slope = slope * believed;
         let by_chance = |number: f64| caustic * (slope * (number - whole) / own.mean);
-        let t = off(&own);
-        let fitted = (freedom + 1.0) / freedom * (1.0 + t * t / (freedom + 1.0));
         Some(Excess {
             mean: by_chance(own.mean),
             replicates: own.deviations.map(|d| by_chance(own.mean + d)),
-            widening: 1.0 + kept * (fitted.sqrt() - 1.0),
+            per_sheet: caustic.mean() * slope / own.mean,
+            widening: ((cases + between) / left(slope).max(LEAST * light.squares)).sqrt(),
         })
     }
 }

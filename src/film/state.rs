@@ -8,7 +8,7 @@
 //! | samples refused | 8 |
 //! | for each row, for each replicate and then each layer, for each channel: the bytes `w` of a count, then the row's counts | 1 + `w` x width |
 //! | the same for each group of the replicates and each step between kernels | 1 + `w` x width |
-//! | the same for the sheets of light of each replicate, in pixels and then around them | 1 + `w` x width |
+//! | the same for the sheets of light of each replicate, in pixels and then around them, and for each group and step between kernels | 1 + `w` x width |
 //! | the same for the passes that told nothing of sheets | 1 + `w` x width |
 //!
 //! All numbers are little-endian, counts in two's complement. `w` (1 to 16) is
@@ -32,7 +32,9 @@ const LISTS: usize = REPLICATES + 4;
 const COLOURS: usize = 3 * LISTS;
 /// The same with the differences of kernels, and with the sheets.
 const DIFFERENCES: usize = COLOURS + 2 * GROUPS;
-const PLANES: usize = DIFFERENCES + 2 * REPLICATES + 1;
+/// Counts of sheets of a pixel, and one of passes that told nothing.
+const SHEETS: usize = 2 * REPLICATES + 2 * GROUPS;
+const PLANES: usize = DIFFERENCES + SHEETS + 1;
 /// Bytes before the rows.
 const HEAD: usize = 4 + 4 + 8 + 8 * REPLICATES + 8;
 /// Bytes of the widest count.
@@ -98,11 +100,9 @@ impl Film {
             }
         }
         let sheets = &self.sheets[row];
-        for around in 0..2 {
-            for replicate in 0..REPLICATES {
-                let sums = sheets.iter().map(|s| s.sums[around][replicate]);
-                encode(sums.map(|s| ExactSum::of_counts(s.into())), &mut bytes);
-            }
+        for number in 0..SHEETS {
+            let sums = sheets.iter().map(|s| s.counts().nth(number).unwrap_or(0));
+            encode(sums.map(|s| ExactSum::of_counts(s.into())), &mut bytes);
         }
         let untold = sheets.iter().map(|s| s.untold);
         encode(untold.map(|n| ExactSum::of_counts(n.into())), &mut bytes);
@@ -164,9 +164,10 @@ impl Film {
         if let Some(number) = plane.checked_sub(DIFFERENCES) {
             for (sheets, value) in self.sheets[row].iter_mut().zip(values) {
                 let value = value.counts();
-                match sheets.sums.as_flattened_mut().get_mut(number) {
-                    Some(sum) => *sum = value.try_into().ok()?,
-                    None => sheets.untold = value.try_into().ok()?,
+                if number < SHEETS {
+                    *sheets.counts_mut().nth(number)? = value.try_into().ok()?;
+                } else {
+                    sheets.untold = value.try_into().ok()?;
                 }
             }
         } else if let Some(difference) = plane.checked_sub(COLOURS) {
@@ -228,6 +229,7 @@ mod tests {
                 sample[Layer::Caustic] = Rgb::grey(libm::exp2(v));
                 sample.blur = [0.1 * v, -0.01 * v];
                 sample.sheets = [[v, 0.5 + f64::from(i % 2)], [30.0 * v, 25.0]];
+                sample.sheet_steps = [0.01 * v, -0.02 * v];
                 if i == 1 && pass == 3 {
                     sample.sheets = Default::default();
                 }

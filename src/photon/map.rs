@@ -104,6 +104,9 @@ pub struct Gathered {
     /// reflections in glass not counted; for a source with extent the mean over it. A
     /// whole number away from the rims of light, and from folds and half-shadows.
     pub sheets: f64,
+    /// The same of kernels of half and of a quarter of the area. Zero if it was not to
+    /// be found out.
+    pub narrower_sheets: [f64; 2],
     /// Candidates that trees offered: the work of searching.
     pub visited: u32,
     /// Kernels evaluated.

@@ -67,8 +67,10 @@ pub(super) struct Gather<'a> {
 #[derive(Clone, Copy, Default)]
 pub(super) struct Found {
     pub(super) light: [Rgb; 2],
-    /// See [`Gathered::sheets`](crate::photon::Gathered::sheets).
+    /// See [`Gathered::sheets`](crate::photon::Gathered::sheets), and those of narrower
+    /// kernels.
     sheets: f64,
+    narrower_sheets: [f64; 2],
     narrower: [[f64; 2]; 2],
 }
 
@@ -251,6 +253,11 @@ impl<'a> Gather<'a> {
                 let weight = (walker.throughput * at.reflectance).mean();
                 sample.sheets[0][0] += weight * found.sheets;
                 sample.sheets[0][1] += weight;
+                if self.draws_in {
+                    let [half, quarter] = found.narrower_sheets;
+                    let steps = [found.sheets - half, half - quarter];
+                    sample.sheet_steps = steps.map(|step| weight * step);
+                }
             }
             if self.draws_in {
                 sample.blur = found.blur(0, walker.throughput);
@@ -344,6 +351,7 @@ impl<'a> Gather<'a> {
             light: [found.irradiance, found.bounced].map(|e| at.reflectance * e * FRAC_1_PI),
             narrower: found.narrower,
             sheets: found.sheets,
+            narrower_sheets: found.narrower_sheets,
         }
     }
 }

@@ -35,7 +35,7 @@ use crate::{
 /// took the file for one.
 const MARK: [u8; 8] = *b"\x89NPHCK\r\n";
 /// To be raised whenever the layout of any section changes.
-const FORMAT: u32 = 3;
+const FORMAT: u32 = 4;
 const VERSION: &str = env!("CARGO_PKG_VERSION");
 const CHECKSUM: u64 = 32;
 /// Bytes that are read and hashed at a time.

@@ -12,8 +12,8 @@ fn grey(v: f64) -> PixelSample {
 
 #[test]
 fn bytes_are_what_the_text_says() {
-    assert_eq!(Film::BYTES_PER_PIXEL, 840);
-    assert_eq!(Film::new(5, 3, quantum()).bytes(), 15 * 840);
+    assert_eq!(Film::BYTES_PER_PIXEL, 904);
+    assert_eq!(Film::new(5, 3, quantum()).bytes(), 15 * 904);
 }
 
 #[test]

@@ -102,15 +102,11 @@ fn light_of_its_own_stays() {
 }
 
 /// A half-shadow has no whole number of sheets. One that is within some standard
-/// errors of it is taken for it, until there are more passes.
+/// errors of it is taken for it, until there are more passes: 1.05 is four away, and
+/// 16 their square.
 #[test]
 fn fractions_are_left_alone() {
-    for (number, most) in [
-        (1.5, 1.0 + 1e-9),
-        (0.4, 1.0 + 1e-9),
-        (1.2, 1.5),
-        (1.05, 9.0),
-    ] {
+    for (number, most) in [(1.5, 1.01), (0.4, 1.0 + 1e-9), (1.2, 1.5), (1.05, 16.0)] {
         let left = gain(
             Pixel {
                 number,
@@ -138,7 +134,8 @@ fn fractions_are_left_alone() {
         64,
         3,
     );
-    assert_eq!(exact.excess(0), None);
+    let excess = exact.excess(0).map_or(0.0, |excess| excess.mean[0]);
+    assert!(excess.abs() < 1e-3, "{excess}");
 }
 
 /// Few replicates tell nothing, nor does a pixel of which a pass knows nothing.
@@ -156,7 +153,12 @@ fn without_knowledge_nothing_is_corrected() {
 /// noise is what is left: about what the error is in truth.
 #[test]
 fn all_that_is_told_of_a_picture_agrees() {
-    let pixel = Pixel { own: 0.1, ..EVEN };
+    for own in [0.02, 0.1, 0.3] {
+        agrees(Pixel { own, ..EVEN });
+    }
+}
+
+fn agrees(pixel: Pixel) {
     let (mut squares, mut variances) = (0.0, 0.0);
     for seed in 0..400 {
         let film = film(pixel, 19, seed);
@@ -174,7 +176,39 @@ fn all_that_is_told_of_a_picture_agrees() {
         variances += variance[0];
     }
     let ratio = variances / squares;
-    assert!((0.6..1.4).contains(&ratio), "{ratio}");
+    assert!((0.7..1.5).contains(&ratio), "{}: {ratio}", pixel.own);
+}
+
+/// Kernels drawn in find more or less light by chance, as far as they find more or
+/// fewer sheets: that is no blur. What they find beside it is.
+#[test]
+fn chance_in_narrower_kernels_is_no_blur() {
+    const BLUR: f64 = 0.03;
+    let (mut chance, mut told, mut mean) = (0.0, 0.0, 0.0);
+    const FILMS: u32 = 400;
+    for seed in 0..FILMS {
+        let mut film = Film::new(1, 1, Quantum::for_typical(1.0));
+        let mut draw = draws(seed.into());
+        let mut by_chance = 0.0;
+        for pass in 0..16 {
+            let number = 1.0 + 0.1 * draw();
+            let steps = [0.1 * draw(), 0.2 * draw()];
+            let mut sample = PixelSample::default();
+            sample[Layer::Caustic] = Rgb::grey(2.0 * number);
+            sample.blur = [2.0 * steps[0] + BLUR, 2.0 * steps[1] + 0.5 * BLUR];
+            sample.sheets = [[0.3 * number, 0.3], [25.0 * number, 25.0]];
+            sample.sheet_steps = steps.map(|step| 0.3 * step);
+            by_chance += 2.0 * steps[0] / 16.0;
+            film.add_pass(pass, &[sample]);
+        }
+        let groups = film.blur();
+        let first = groups.iter().map(|group| group[0][0]).sum::<f64>() / groups.len() as f64;
+        chance += by_chance * by_chance / f64::from(FILMS);
+        told += (first - BLUR).powi(2) / f64::from(FILMS);
+        mean += first / f64::from(FILMS);
+    }
+    assert!(told < 0.05 * chance, "{told} {chance}");
+    assert!((mean / BLUR - 1.0).abs() < 0.05, "{mean}");
 }
 
 /// The order of passes and their grouping leave no trace.
@@ -185,6 +219,7 @@ fn films_of_parts_are_the_film_of_all() {
         let number = 0.8 + 0.1 * f64::from(pass * 7 % 5);
         sample[Layer::Caustic] = Rgb::grey(number);
         sample.sheets = [[number, 1.0], [number / 3.0, 1.0 / 3.0]];
+        sample.sheet_steps = [0.1 * number - 0.09, 0.01];
         sample
     };
     let of = |passes: &[u32]| {

@@ -153,6 +153,7 @@ impl<'a> Vicinity<'a> {
         let mut sums = [[0.0; 3]; 2];
         let mut sheets = 0.0;
         let mut narrower = [[0.0; 2]; 2];
+        let mut narrower_sheets = [0.0; 2];
         for (c, class) in map.classes().enumerate() {
             let bounced = usize::from(c >= map.caustics.len());
             if bounced == 0 && !query.kernels.caustics {
@@ -181,7 +182,8 @@ impl<'a> Vicinity<'a> {
                 }
                 gathered.accepted += 1;
                 let flux = block.flux(kernel).map(f64::from);
-                sheets += k * f64::from(block.sheet(kernel));
+                let sheet = f64::from(block.sheet(kernel));
+                sheets += k * sheet;
                 for (s, f) in sum.iter_mut().zip(flux) {
                     *s += k * f;
                 }
@@ -189,7 +191,9 @@ impl<'a> Vicinity<'a> {
                     let whole = flux[0] + flux[1] + flux[2];
                     let narrower = kernel.narrower();
                     for i in 0..2 {
-                        less[i] += f64::from(narrower[i]) * (power[i] * whole);
+                        let k = power[i] * f64::from(narrower[i]);
+                        less[i] += k * whole;
+                        narrower_sheets[i] += k * sheet;
                     }
                 }
             };
@@ -212,6 +216,7 @@ impl<'a> Vicinity<'a> {
                 *less = less.map(|s| if whole > 0.0 { s / whole } else { 1.0 });
             }
             gathered.narrower = narrower;
+            gathered.narrower_sheets = narrower_sheets.map(|s| s * map.per_path);
         }
         let [caustics, bounced] = sums.map(|s| Rgb(s) * map.per_path);
         gathered.sheets = sheets * map.per_path;
