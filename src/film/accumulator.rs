@@ -357,17 +357,18 @@ impl Film {
     /// one thing. What chance brings into a pixel, it brings into narrower kernels,
     /// too: what the picture is without ([`Film::image`]) is none of the difference.
     pub fn blur(&self) -> Vec<Vec<[f64; 2]>> {
-        let by_chance: Vec<_> = (0..self.blur.len())
-            .into_par_iter()
-            .map(|pixel| self.steps_by_chance(pixel).unwrap_or_default())
-            .collect();
+        let per_sheet = |pixel| self.excess(pixel).map_or(0.0, |excess| excess.per_sheet);
+        let pixels = (0..self.blur.len()).into_par_iter();
+        let per_sheet: Vec<f64> = pixels.map(per_sheet).collect();
         let of_group = |group: usize| {
             let passes: u64 = self.passes[group * GROUP..][..GROUP].iter().sum();
-            let mean = |(sums, by_chance): (&BlurSum, &[[f64; 2]; GROUPS])| {
+            let mean = |((sums, sheets), &per_sheet): ((&BlurSum, &Sheets), &f64)| {
                 let sums = sums[group].map(|s| s.value(self.quantum));
-                [0, 1].map(|step| (sums[step] - by_chance[group][step]) / passes as f64)
+                let by_chance = sheets.steps_by_chance(group, per_sheet);
+                [0, 1].map(|step| (sums[step] - by_chance[step]) / passes as f64)
             };
-            (passes > 0).then(|| self.blur.par_iter().zip(&by_chance).map(mean).collect())
+            let pixels = self.blur.par_iter().zip(&self.sheets).zip(&per_sheet);
+            (passes > 0).then(|| pixels.map(mean).collect())
         };
         (0..GROUPS).filter_map(of_group).collect()
     }

@@ -105,6 +105,12 @@ impl Sheets {
         sums.chain(self.steps.as_flattened_mut())
     }
 
+    /// What narrower kernels find less of light by chance, summed over the passes of a
+    /// group of replicates, if each sheet brings so much of it.
+    pub(super) fn steps_by_chance(&self, group: usize, per_sheet: f64) -> [f64; 2] {
+        self.steps[group].map(|sum| sum as f64 * UNIT * per_sheet)
+    }
+
     /// Adds the sums of other passes.
     pub(super) fn merge(&mut self, other: &Self) {
         let theirs = other.counts();
@@ -125,7 +131,7 @@ pub(super) struct Excess {
     /// With each sheet: the mean over the channels.
     pub(super) per_sheet: f64,
     /// By what the standard error of the rest is larger than its spread says,
-    /// since a slope was fitted to the same numbers.
+    /// since a slope was fitted to the same numbers, and may not have been meant.
     pub(super) widening: f64,
 }
 
@@ -177,15 +183,6 @@ fn product(a: &[f64; REPLICATES], b: &[f64; REPLICATES], weights: &[f64; REPLICA
 }
 
 impl Film {
-    /// What narrower kernels find less of the light that is there by chance, since
-    /// they find fewer sheets: of each group of replicates, summed as
-    /// [`Film::blur`] has the light's.
-    pub(super) fn steps_by_chance(&self, pixel: usize) -> Option<[[f64; 2]; GROUPS]> {
-        let per_sheet = self.excess(pixel)?.per_sheet;
-        let steps = self.sheets[pixel].steps;
-        Some(steps.map(|group| group.map(|sum| sum as f64 * UNIT * per_sheet)))
-    }
-
     /// What chance has brought into a pixel, if that can be told.
     pub(super) fn excess(&self, pixel: usize) -> Option<Excess> {
         let sheets = &self.sheets[pixel];

@@ -184,8 +184,8 @@ fn agrees(pixel: Pixel) {
 #[test]
 fn chance_in_narrower_kernels_is_no_blur() {
     const BLUR: f64 = 0.03;
-    let (mut chance, mut told, mut mean) = (0.0, 0.0, 0.0);
     const FILMS: u32 = 400;
+    let (mut chance, mut told, mut mean) = (0.0, 0.0, 0.0);
     for seed in 0..FILMS {
         let mut film = Film::new(1, 1, Quantum::for_typical(1.0));
         let mut draw = draws(seed.into());
