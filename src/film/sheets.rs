@@ -35,7 +35,9 @@ const FEWEST: usize = 4;
 /// Largest standard error of a number of sheets that is taken for a whole one.
 const SURE: f64 = 0.12;
 
-/// How many places have a whole number, to each that has a fraction.
+/// How many places have a whole number, to each that has a fraction. So many where
+/// eight replicates tell an error, less by the square of the degrees of freedom where
+/// fewer do: errors that look too small by chance would count for too much.
 const ODDS: f64 = 100.0;
 
 /// Student's density at 0: of 3 to 7 degrees of freedom it is 0.37 to 0.385.
@@ -171,7 +173,8 @@ impl Spread {
     fn likely(&self, whole: f64, freedom: f64) -> f64 {
         let t = self.off(whole);
         let by_chance = PEAK * libm::pow(1.0 + t * t / freedom, -0.5 * (freedom + 1.0));
-        let odds = ODDS * by_chance / self.error.max(f64::MIN_POSITIVE);
+        let known = freedom / (REPLICATES - 1) as f64;
+        let odds = ODDS * known * known * by_chance / self.error.max(f64::MIN_POSITIVE);
         1.0 / (1.0 + 1.0 / odds)
     }
 }
