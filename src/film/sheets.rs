@@ -40,6 +40,9 @@ const SURE: f64 = 0.12;
 /// fewer do: errors that look too small by chance would count for too much.
 const ODDS: f64 = 100.0;
 
+/// What is less likely to be whole counts as a fraction.
+const UNLIKELY: f64 = 0.01;
+
 /// Student's density at 0: of 3 to 7 degrees of freedom it is 0.37 to 0.385.
 const PEAK: f64 = 0.38;
 
@@ -160,9 +163,7 @@ impl Spread {
             error: (squares / ((used - 1) as f64 * total)).sqrt(),
         }
     }
-}
 
-impl Spread {
     /// How far the mean is from a number, in standard errors.
     fn off(&self, number: f64) -> f64 {
         (self.mean - number).abs() / self.error.max(f64::MIN_POSITIVE)
@@ -209,7 +210,7 @@ impl Film {
         let believed = believed.min(around.likely(whole, freedom));
         let caustic = self.mean(&self.layers[pixel][Layer::Caustic as usize], self.passes());
         let scale = caustic.mean() / own.mean;
-        if believed == 0.0 || scale <= 0.0 {
+        if believed < UNLIKELY || scale <= 0.0 {
             return None;
         }
         // Of a sheet's share of the light, that much comes and goes with a sheet.

@@ -102,11 +102,16 @@ fn light_of_its_own_stays() {
 }
 
 /// A half-shadow has no whole number of sheets. One that is within some standard
-/// errors of it is taken for it, until there are more passes: 1.05 is four away, and
-/// 16 their square.
+/// errors of it is taken for it, until there are more passes: 1.05 is four away, whose
+/// square would be 16 if there were no doubt.
 #[test]
 fn fractions_are_left_alone() {
-    for (number, most) in [(1.5, 1.01), (0.4, 1.0 + 1e-9), (1.2, 1.5), (1.05, 16.0)] {
+    for (number, most) in [
+        (1.5, 1.0 + 1e-9),
+        (0.4, 1.0 + 1e-9),
+        (1.2, 1.5),
+        (1.05, 12.5),
+    ] {
         let left = gain(
             Pixel {
                 number,
@@ -134,8 +139,7 @@ fn fractions_are_left_alone() {
         64,
         3,
     );
-    let excess = exact.excess(0).map_or(0.0, |excess| excess.mean[0]);
-    assert!(excess.abs() < 1e-3, "{excess}");
+    assert_eq!(exact.excess(0), None);
 }
 
 /// Few replicates tell nothing, nor does a pixel of which a pass knows nothing.
@@ -153,12 +157,12 @@ fn without_knowledge_nothing_is_corrected() {
 /// noise is what is left: about what the error is in truth.
 #[test]
 fn all_that_is_told_of_a_picture_agrees() {
-    for own in [0.02, 0.1, 0.3] {
-        agrees(Pixel { own, ..EVEN });
+    for (own, most) in [(0.02, 1.5), (0.1, 1.4), (0.3, 1.4)] {
+        agrees(Pixel { own, ..EVEN }, most);
     }
 }
 
-fn agrees(pixel: Pixel) {
+fn agrees(pixel: Pixel, most: f64) {
     let (mut squares, mut variances) = (0.0, 0.0);
     for seed in 0..400 {
         let film = film(pixel, 19, seed);
@@ -176,7 +180,7 @@ fn agrees(pixel: Pixel) {
         variances += variance[0];
     }
     let ratio = variances / squares;
-    assert!((0.7..1.5).contains(&ratio), "{}: {ratio}", pixel.own);
+    assert!((0.7..most).contains(&ratio), "{}: {ratio}", pixel.own);
 }
 
 /// Kernels drawn in find more or less light by chance, as far as they find more or
